@@ -2,17 +2,19 @@
 
 use std::fmt;
 
+use domains::curve::{COORDINATE, KNOT, KNOT_RANGE, LEAST_KNOT_SPAN, WEIGHT};
+use domains::shown;
 use nurbs_core::{CurveError, NurbsBuf};
 pub use nurbs_core::{End, MAX_DEGREE};
 
 use crate::vector::{difference, length};
 
-/// The largest coordinate, in mm: 10 km. It keeps squares and sums of coordinates far from the ends of every float.
-pub const MAX_COORDINATE_MM: f64 = 1e7;
+/// The largest coordinate, in mm.
+pub const MAX_COORDINATE_MM: f64 = COORDINATE.most();
 /// The largest weight; the smallest is its inverse.
-pub const MAX_WEIGHT: f64 = 1e9;
+pub const MAX_WEIGHT: f64 = WEIGHT.most();
 /// The largest knot, by magnitude.
-pub const MAX_KNOT: f64 = 1e12;
+pub const MAX_KNOT: f64 = KNOT.most();
 
 /// A clamped NURBS curve in f64. One that a reader of this crate returns obeys every rule of [`CurveFault`].
 #[derive(Clone, Debug, PartialEq)]
@@ -130,6 +132,22 @@ pub enum CurveFault {
         /// The value of them all.
         knot: f64,
     },
+    /// The last knot is greater than the first by less than a double can divide.
+    RangeTooSmall {
+        /// By how much.
+        range: f64,
+    },
+    /// A knot is greater than the one before it, but by less than derivatives can be computed over.
+    KnotsTooClose {
+        /// The greater, later knot.
+        index: usize,
+        /// Its value.
+        knot: f64,
+        /// The value before it.
+        previous: f64,
+        /// The least difference.
+        least: f64,
+    },
     /// An end knot does not occur degree + 1 times.
     NotClamped {
         /// Which end.
@@ -172,6 +190,19 @@ impl Curve {
     pub(crate) fn line(from: [f64; 3], to: [f64; 3]) -> Self {
         let ends = [from, to];
         Self(Form::Line { ends, is_planar: Nurbs::dimension_of(&ends) == 2 })
+    }
+
+    /// The memory that it takes, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let numbers = |nurbs: &Nurbs| {
+            size_of::<[f64; 3]>() * nurbs.control_points_mm.len()
+                + size_of::<f64>() * (nurbs.weights.len() + nurbs.knots.len())
+        };
+        size_of::<Self>()
+            + match &self.0 {
+                Form::Line { .. } => 0,
+                Form::Any(nurbs) => size_of::<Nurbs>() + numbers(nurbs),
+            }
     }
 
     /// Degree p; the order is p + 1.
@@ -353,12 +384,12 @@ impl Nurbs {
     fn value_faults(&self) -> Vec<CurveFault> {
         let mut faults = coordinate_faults(&self.control_points_mm);
         for (index, &value) in self.weights.iter().enumerate() {
-            if !(1.0 / MAX_WEIGHT..=MAX_WEIGHT).contains(&value) {
+            if !WEIGHT.holds(value) {
                 faults.push(CurveFault::WeightOutOfRange { index, value });
             }
         }
         for (index, &value) in self.knots.iter().enumerate() {
-            if value.is_nan() || value.abs() > MAX_KNOT {
+            if !KNOT.holds(value) {
                 faults.push(CurveFault::KnotOutOfRange { index, value });
             }
         }
@@ -377,7 +408,18 @@ impl Nurbs {
         if self.knots[0] == self.knots[last] {
             return vec![CurveFault::EmptyDomain { knot: self.knots[0] }];
         }
+        let range = self.knots[last] - self.knots[0];
+        if !KNOT_RANGE.holds(range) {
+            return vec![CurveFault::RangeTooSmall { range }];
+        }
         let mut faults = Vec::new();
+        let least = LEAST_KNOT_SPAN * range;
+        for (index, pair) in self.knots.windows(2).enumerate() {
+            let (previous, knot) = (pair[0], pair[1]);
+            if knot > previous && knot - previous < least {
+                faults.push(CurveFault::KnotsTooClose { index: index + 1, knot, previous, least });
+            }
+        }
         let mut index = 0;
         for equal in self.knots.chunk_by(|a, b| a == b) {
             let multiplicity = equal.len();
@@ -412,7 +454,7 @@ impl Nurbs {
 
 /// The points that are beyond the range of a machine.
 pub(crate) fn coordinate_faults(points: &[[f64; 3]]) -> Vec<CurveFault> {
-    let wrong = |point: &[f64; 3]| point.iter().copied().find(|x| x.is_nan() || x.abs() > MAX_COORDINATE_MM);
+    let wrong = |point: &[f64; 3]| point.iter().copied().find(|x| !COORDINATE.holds(*x));
     let fault = |(index, point)| Some(CurveFault::CoordinateOutOfRange { index, value: wrong(point)? });
     points.iter().enumerate().filter_map(fault).collect()
 }
@@ -425,11 +467,14 @@ impl CurveFault {
             Self::DegreeOutOfRange { .. } => Element::Degree,
             Self::TooFewControlPoints { .. } | Self::NoLength => Element::ControlPoints,
             Self::WrongWeightCount { .. } => Element::Weights,
-            Self::WrongKnotCount { .. } | Self::EmptyDomain { .. } => Element::Knots,
+            Self::WrongKnotCount { .. } | Self::EmptyDomain { .. } | Self::RangeTooSmall { .. } => {
+                Element::Knots
+            }
             Self::CoordinateOutOfRange { index, .. } => Element::ControlPoint(index),
             Self::WeightOutOfRange { index, .. } => Element::Weight(index),
             Self::KnotOutOfRange { index, .. }
             | Self::KnotsDecrease { index, .. }
+            | Self::KnotsTooClose { index, .. }
             | Self::NotClamped { index, .. }
             | Self::KnotRepeatsTooOften { index, .. } => Element::Knot(index),
         }
@@ -448,7 +493,13 @@ impl CurveFault {
             Self::CoordinateOutOfRange { .. } => format!("coordinates within ±{MAX_COORDINATE_MM:e} mm"),
             Self::WeightOutOfRange { .. } => format!("a weight of {:e} to {MAX_WEIGHT:e}", 1.0 / MAX_WEIGHT),
             Self::KnotOutOfRange { .. } => format!("a knot within ±{MAX_KNOT:e}"),
-            Self::KnotsDecrease { previous, .. } => format!("a knot of at least {previous}"),
+            Self::KnotsDecrease { previous, .. } => format!("a knot of at least {}", shown(previous)),
+            Self::RangeTooSmall { .. } => {
+                format!("a last knot that is greater than the first by at least {:e}", KNOT_RANGE.least())
+            }
+            Self::KnotsTooClose { least, .. } => {
+                format!("the same knot, or one that is greater by at least {least:e}")
+            }
             Self::EmptyDomain { .. } => "a last knot greater than the first".into(),
             Self::NotClamped { expected, .. } => format!("end knots repeated degree + 1 = {expected} times"),
             Self::KnotRepeatsTooOften { degree, .. } => {
@@ -467,14 +518,20 @@ impl fmt::Display for CurveFault {
             Self::WrongWeightCount { found, .. } => write!(f, "wrong number of weights: {found}"),
             Self::WrongKnotCount { found, .. } => write!(f, "wrong number of knots: {found}"),
             Self::CoordinateOutOfRange { index, value } => {
-                write!(f, "control point {index} has the coordinate {value}")
+                write!(f, "control point {index} has the coordinate {}", shown(value))
             }
-            Self::WeightOutOfRange { index, value } => write!(f, "weight {index} is {value}"),
-            Self::KnotOutOfRange { index, value } => write!(f, "knot {index} is {value}"),
+            Self::WeightOutOfRange { index, value } => write!(f, "weight {index} is {}", shown(value)),
+            Self::KnotOutOfRange { index, value } => write!(f, "knot {index} is {}", shown(value)),
             Self::KnotsDecrease { index, knot, previous } => {
-                write!(f, "knots decrease: knot {index} is {knot}, after {previous}")
+                write!(f, "knots decrease: knot {index} is {}, after {}", shown(knot), shown(previous))
             }
-            Self::EmptyDomain { knot } => write!(f, "all knots are {knot}: the parameter has no range"),
+            Self::EmptyDomain { knot } => {
+                write!(f, "all knots are {}: the parameter has no range", shown(knot))
+            }
+            Self::RangeTooSmall { range } => write!(f, "the knots have a range of {}", shown(range)),
+            Self::KnotsTooClose { index, knot, previous, .. } => {
+                write!(f, "knots too close: knot {index} is {}, after {}", shown(knot), shown(previous))
+            }
             Self::NotClamped { end, multiplicity, .. } => {
                 let end = if end == End::First { "first" } else { "last" };
                 write!(f, "the curve is not clamped: its {end} knot is there {multiplicity} times")
@@ -512,12 +569,16 @@ mod tests {
     #[test]
     fn a_valid_curve_has_no_faults() {
         assert_eq!(cubic().faults(), []);
+        let with = |knot| Nurbs { knots: vec![0.0, 0.0, 0.0, 0.0, knot, 1.0, 1.0, 1.0, 1.0], ..cubic() };
+        assert_eq!(with(1.0_f64.next_down()).faults(), [], "neighbouring doubles");
+        assert_eq!(with(1e-18).faults(), []);
+        assert_eq!(domains::curve::DEGREE.value, domains::Value::Whole(1, MAX_DEGREE as u32, ""));
     }
 
     #[test]
     fn every_rule_is_checked() {
         type Change = fn(&mut Nurbs);
-        let cases: [(Change, &str); 14] = [
+        let cases: [(Change, &str); 17] = [
             (|c| c.degree = 0, "degree 0 is not supported"),
             (|c| c.degree = 10, "degree 10 is not supported"),
             (|c| c.control_points_mm.truncate(3), "too few control points: 3"),
@@ -530,6 +591,9 @@ mod tests {
             (|c| c.knots[4] = f64::INFINITY, "knot 4 is inf"),
             (|c| c.knots[4] = -0.5, "knots decrease: knot 4 is -0.5, after 0"),
             (|c| c.knots.fill(3.0), "all knots are 3: the parameter has no range"),
+            (|c| c.knots[4] = 5e-324, "knots too close: knot 4 is 5e-324, after 0"),
+            (|c| c.knots[4] = 1e-19, "knots too close: knot 4 is 1e-19, after 0"),
+            (|c| c.knots.iter_mut().for_each(|knot| *knot *= 1e-13), "the knots have a range of 1e-13"),
             (|c| c.knots[3] = 0.1, "the curve is not clamped: its first knot is there 3 times"),
             (|c| c.knots[4] = 1.0, "the curve is not clamped: its last knot is there 5 times"),
         ];

@@ -2,11 +2,13 @@
 //! also have a table `[machine]` and figures that a paper printed. A curve is a NURBS, or with `shape =
 //! "trigonometric"` a spline of paper B.
 
+use domains::curve::{DEGREE, EXACT_STOP, FEEDRATE, KNOTS, MOVE, POINTS, SHAPE, WEIGHTS};
 use toml::de::{DeTable, DeValue};
 
 use crate::curve::{Curve, Nurbs};
 use crate::curve_numbers::{Places, control_points, numbers, say};
 use crate::diagnostic::Report;
+use crate::lean_toml::LeanToml;
 use crate::machine::{self, Machine};
 use crate::moves::{Move, MoveKind, Shape};
 use crate::source::Span;
@@ -22,18 +24,36 @@ pub(crate) struct CurveFile {
 
 /// Reads a curve file; `None` after an error was reported.
 pub(crate) fn read(report: &mut Report<'_>, text: &str) -> Option<CurveFile> {
-    let document = toml_table::parse(report, text)?;
+    let lean = LeanToml::of(text);
+    let mut curves = Vec::new();
+    for block in &lean.curves {
+        report.offset = block.start;
+        if let Some(document) = toml_table::parse(report, lean.slice(*block)) {
+            let mut keys = TableReader::new(report, "the block", Span::default(), document.get_ref());
+            let tables = keys.tables("curve");
+            curves.extend(tables.into_iter().filter_map(|(header, table)| curve_from(report, header, table)));
+        }
+        report.offset = 0;
+    }
+    let (first, rest) = (lean.curves.first().copied(), lean.into_rest());
+    let document = toml_table::parse(report, &rest)?;
     let root = document.get_ref();
     let mut keys = TableReader::new(report, "the file", Span::default(), root);
     let tables = keys.tables("curve");
     let machine = keys.table("machine");
-    if tables.is_empty() && !keys.report.has_errors() {
+    if let Some(first) = first.filter(|_| !tables.is_empty()) {
+        let line = keys.report.line_number(first.start);
+        let message =
+            format!("the curves of line {line} and on are in tables of their own, and these are not");
+        keys.report.error(tables[0].0, message).expected("[[curve]] before each curve");
+    }
+    if tables.is_empty() && first.is_none() && !keys.report.has_errors() {
         let expected = "[curve] with degree, control_points_mm and knots";
         keys.report.error(Span::default(), "the file has no table [curve]").expected(expected);
     }
     toml_table::refuse_unknown_tables(keys.report, root);
     let published = published(root);
-    let curves = tables.into_iter().filter_map(|(header, table)| curve_from(report, header, table)).collect();
+    curves.extend(tables.into_iter().filter_map(|(header, table)| curve_from(report, header, table)));
     let machine = machine.map(|(header, table)| machine::from_table(report, header, table));
     let file = CurveFile { curves, machine: machine.flatten(), published };
     (!report.has_errors()).then_some(file)
@@ -73,8 +93,8 @@ fn owned(value: &DeValue<'_>, depth: usize) -> Option<toml::Value> {
 
 fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<(Curve, Move)> {
     let mut keys = TableReader::new(report, "[curve]", header, table);
-    let shape = keys.word("shape", &SHAPES)?;
-    let feedrate_mm_per_s = keys.optional_number("feedrate_mm_per_s", machine::FEEDRATE);
+    let shape = keys.word(&SHAPE)?;
+    let feedrate_mm_per_s = keys.optional_number(&FEEDRATE);
     let kind = kind_from(&mut keys);
     let exact_stop = exact_stop_from(&mut keys, kind);
     let curve = if shape == TRIGONOMETRIC {
@@ -84,39 +104,38 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     }?;
     let shape =
         if curve.degree() == 1 && curve.control_points_mm().len() == 2 { Shape::Line } else { Shape::Nurbs };
-    let line = report.source.line_number(header.start);
+    let line = report.line_number(header.start);
     Some((curve, Move { kind, shape, feedrate_mm_per_s, exact_stop, line, block: 0 }))
 }
 
-/// The values of `shape`; without the key the first holds.
-const SHAPES: [&str; 2] = ["nurbs", TRIGONOMETRIC];
+/// The value of `shape` for paper B's splines.
 const TRIGONOMETRIC: &str = "trigonometric";
 
 /// A NURBS curve by its numbers.
 fn nurbs_from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Option<Curve> {
     let mut places = Places::default();
-    let degree = keys.whole_number("degree", "a whole number");
-    places.degree = keys.optional("degree").map_or(header, |value| value.span().into());
-    let points = keys.array("control_points_mm");
-    let weights = keys.optional("weights");
-    let knots = keys.array("knots");
+    let degree = keys.any_whole_number(&DEGREE);
+    places.degree = keys.optional(DEGREE.name).map_or(header, |value| value.span().into());
+    let points = keys.array(POINTS.name);
+    let weights = keys.optional(WEIGHTS.name);
+    let knots = keys.array(KNOTS.name);
     let report = keys.finish();
 
-    let weights = weights.map(|value| toml_table::array(report, "weights", value));
-    let points = points.and_then(|(span, array)| {
-        places.points = span;
+    let weights = weights.map(|value| toml_table::array(report, WEIGHTS.name, value));
+    let points = points.and_then(|array| {
+        places.points = array;
         control_points(report, array, &mut places.point)
     });
     let weights = match weights {
         None => Some(vec![1.0; points.as_ref().map_or(0, |(points, _)| points.len())]),
-        Some(array) => array.and_then(|(span, array)| {
-            places.weights = span;
-            numbers(report, "weights", array, &mut places.weight)
+        Some(array) => array.and_then(|array| {
+            places.weights = array;
+            numbers(report, WEIGHTS.name, array, &mut places.weight)
         }),
     };
-    let knots = knots.and_then(|(span, array)| {
-        places.knots = span;
-        numbers(report, "knots", array, &mut places.knot)
+    let knots = knots.and_then(|array| {
+        places.knots = array;
+        numbers(report, KNOTS.name, array, &mut places.knot)
     });
     let (control_points_mm, dimension) = points?;
     let degree = usize::try_from(degree?).ok()?;
@@ -127,7 +146,7 @@ fn nurbs_from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Option<Cu
 
 /// `move = "feed"`, which is the default, or `"rapid"`.
 fn kind_from(keys: &mut TableReader<'_, '_, '_>) -> MoveKind {
-    match keys.word("move", &["feed", "rapid"]) {
+    match keys.word(&MOVE) {
         Some("rapid") => MoveKind::Rapid,
         _ => MoveKind::Feed,
     }
@@ -135,7 +154,7 @@ fn kind_from(keys: &mut TableReader<'_, '_, '_>) -> MoveKind {
 
 /// `exact_stop = true`, of a move at feed, or `false`, which is the default.
 fn exact_stop_from(keys: &mut TableReader<'_, '_, '_>, kind: MoveKind) -> bool {
-    const KEY: &str = "exact_stop";
+    const KEY: &str = EXACT_STOP.name;
     let Some(value) = keys.optional(KEY) else { return false };
     let Some(exact_stop) = value.get_ref().as_bool() else {
         wrong_kind(keys.report, KEY, value, "true or false");

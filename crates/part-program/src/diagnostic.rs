@@ -24,7 +24,9 @@ use crate::source::{Source, Span, TextPlace};
 pub const MAX_DIAGNOSTICS: usize = 1000;
 
 /// Characters of a source line that are kept around the offending word.
-const EXCERPT: usize = 100;
+const EXCERPT: usize = 60;
+/// Bytes of a message, of what was expected, of a hint and of a file's name. What they quote may be as long as the text.
+const LONGEST: usize = 280;
 
 /// The severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -82,7 +84,7 @@ impl Diagnostic {
             line: place.line,
             column: place.column,
             length: place.length,
-            message,
+            message: shortened(message),
             expected: None,
             hint: None,
             excerpt: Excerpt::new(&place),
@@ -91,13 +93,13 @@ impl Diagnostic {
 
     /// Adds the correct form.
     pub(crate) fn expected(&mut self, expected: impl Into<String>) -> &mut Self {
-        self.expected = Some(expected.into());
+        self.expected = Some(shortened(expected.into()));
         self
     }
 
     /// Adds a hint how to correct it.
     pub(crate) fn hint(&mut self, hint: impl Into<String>) -> &mut Self {
-        self.hint = Some(hint.into());
+        self.hint = Some(shortened(hint.into()));
         self
     }
 }
@@ -119,6 +121,16 @@ impl Excerpt {
         }
         Self { before: skip_mark.chars().chain(before.chars().map(printable)).collect(), word, after }
     }
+}
+
+/// The text, without its middle if it is longer than [`LONGEST`].
+fn shortened(text: String) -> String {
+    if text.len() <= LONGEST {
+        return text;
+    }
+    let begin = text.floor_char_boundary(LONGEST * 3 / 5);
+    let end = text.ceil_char_boundary(text.len() - LONGEST * 2 / 5 + '…'.len_utf8());
+    format!("{}…{}", &text[..begin], &text[end..])
 }
 
 /// The character, or a substitute if a terminal would act on it.
@@ -146,7 +158,7 @@ impl fmt::Display for Diagnostic {
         let indent = before.width();
         let underline = "^".repeat(word.width().max(1));
         writeln!(f, "{}: {}", self.severity, self.message)?;
-        writeln!(f, "{:gutter$}--> {}:{}:{}", "", self.file, self.line, self.column)?;
+        writeln!(f, "{:gutter$}--> {}:{}:{}", "", shortened(self.file.to_string()), self.line, self.column)?;
         writeln!(f, "{:gutter$} |", "")?;
         writeln!(f, "{:gutter$} | {before}{word}{after}", self.line)?;
         write!(f, "{:gutter$} | {:indent$}{underline}", "", "")?;
@@ -215,6 +227,8 @@ pub(crate) struct Report<'t> {
     scratch: Diagnostic,
     /// For each kind of diagnostic, given by severity and name: its index among those kept, and how often it occurred.
     kinds: HashMap<(bool, String), (usize, usize)>,
+    /// Where the part of the text begins that is being read: the bytes of spans count from there.
+    pub(crate) offset: usize,
     /// The loop whose lines are being read, as its line and its turn, or the line of the call.
     pub(crate) within: Option<(usize, Option<u32>)>,
 }
@@ -228,8 +242,24 @@ impl<'t> Report<'t> {
             warnings: Diagnostics::default(),
             scratch,
             kinds: HashMap::new(),
+            offset: 0,
             within: None,
         }
+    }
+
+    /// A span of the part that is being read, in the whole text.
+    fn in_text(&self, span: Span) -> Span {
+        Span::new(span.start + self.offset, span.end + self.offset)
+    }
+
+    /// The text of a span of the part that is being read.
+    pub(crate) fn slice(&self, span: Span) -> &'t str {
+        self.source.slice(self.in_text(span))
+    }
+
+    /// Number of the line that holds a byte of the part that is being read, from 1.
+    pub(crate) fn line_number(&self, at: usize) -> usize {
+        self.source.line_number(at + self.offset)
     }
 
     pub(crate) fn error(&mut self, span: impl Into<Span>, message: impl Into<String>) -> &mut Diagnostic {
@@ -265,6 +295,7 @@ impl<'t> Report<'t> {
     /// A warning that is also shown if there are errors.
     pub(crate) fn warning_beside_errors(&mut self, span: Span, message: String) {
         if self.has_errors() && self.errors.list.len() < MAX_DIAGNOSTICS {
+            let span = self.in_text(span);
             let diagnostic = Diagnostic::new(Severity::Warning, &self.source, span, message);
             self.errors.list.push(diagnostic);
         } else {
@@ -273,6 +304,7 @@ impl<'t> Report<'t> {
     }
 
     fn say(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
+        let span = self.in_text(span);
         let kept = match severity {
             Severity::Error => &mut self.errors,
             Severity::Warning => &mut self.warnings,
@@ -374,6 +406,27 @@ mod tests {
         let lines: Vec<_> = printed.lines().collect();
         let underlined = lines[4].find('^').map(|at| lines[3].chars().nth(at));
         assert_eq!(underlined, Some(Some('Q')), "{printed}");
+    }
+
+    /// A key of a megabyte, a number of a million digits, a name of any length: all of them, and characters of four bytes.
+    #[test]
+    fn no_diagnostic_is_above_2000_bytes() {
+        for long in ["1".repeat(1_000_000), "🦀".repeat(1_000_000), "é`".repeat(500_000)] {
+            let name = long[..long.ceil_char_boundary(4000)].to_owned();
+            let text = format!("{long}{long}");
+            let source = Source::new(&name, &text);
+            for span in [Span::new(0, long.len()), Span::new(long.len(), 2 * long.len())] {
+                let mut said =
+                    Diagnostic::new(Severity::Error, &source, span, format!("`{long}` is no number"));
+                said.expected(format!("a number, as `{long}`")).hint(format!("did you mean `{long}`?"));
+                let printed = said.to_string();
+                assert!(printed.len() <= 2000, "{} bytes", printed.len());
+                assert!(said.message.ends_with("` is no number"), "{}", said.message);
+                assert!(said.expected.is_some_and(|expected| expected.starts_with("a number, as `")));
+            }
+        }
+        assert_eq!(shortened("x".repeat(LONGEST)), "x".repeat(LONGEST));
+        assert_eq!(shortened("x".repeat(LONGEST + 1)).len(), LONGEST);
     }
 
     #[test]

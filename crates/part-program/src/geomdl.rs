@@ -4,13 +4,14 @@
 //! `rational`, `dimension`, `count` and `size` repeat information of the numbers and are checked against them; `delta`,
 //! `name` and similar keys are for drawing a curve; any other key is skipped with a warning.
 
-use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
+use serde::de::{IgnoredAny, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use serde_ignored::Path;
 
 use crate::curve::{Curve, Nurbs};
-use crate::diagnostic::Report;
+use crate::diagnostic::{MAX_DIAGNOSTICS, Report};
 use crate::moves::{Move, MoveKind, Shape as PartShape};
 use crate::part::Part;
 use crate::source::Span;
@@ -18,8 +19,6 @@ use crate::source::Span;
 #[derive(Deserialize)]
 struct File {
     shape: Shape,
-    #[serde(flatten)]
-    other: Other,
 }
 
 #[derive(Deserialize)]
@@ -28,8 +27,6 @@ struct Shape {
     kind: String,
     count: Option<usize>,
     data: Vec<Data>,
-    #[serde(flatten)]
-    other: Other,
 }
 
 #[derive(Deserialize)]
@@ -39,20 +36,74 @@ struct Data {
     degree: usize,
     knotvector: Vec<f64>,
     control_points: ControlPoints,
-    #[serde(flatten)]
-    other: Other,
 }
 
 #[derive(Deserialize)]
 struct ControlPoints {
-    points: Vec<Vec<f64>>,
+    points: Vec<Point>,
     weights: Option<Vec<f64>>,
-    #[serde(flatten)]
-    other: Other,
 }
 
-/// Keys that are not read.
-type Other = BTreeMap<String, IgnoredAny>;
+/// A point, and the number of its coordinates; of more than three the others are only counted.
+struct Point {
+    coordinates: [f64; 3],
+    count: usize,
+}
+
+impl<'de> Deserialize<'de> for Point {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Coordinates;
+        impl<'de> Visitor<'de> for Coordinates {
+            type Value = Point;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the coordinates of a point")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Point, A::Error> {
+                let mut point = Point { coordinates: [0.0; 3], count: 0 };
+                for coordinate in &mut point.coordinates {
+                    let Some(next) = items.next_element()? else { return Ok(point) };
+                    *coordinate = next;
+                    point.count += 1;
+                }
+                while items.next_element::<IgnoredAny>()?.is_some() {
+                    point.count += 1;
+                }
+                Ok(point)
+            }
+        }
+        deserializer.deserialize_seq(Coordinates)
+    }
+}
+
+/// Keys that are not read, each with the index of its curve if it is one of a curve.
+#[derive(Default)]
+struct Unread {
+    keys: Vec<(Option<usize>, String)>,
+}
+
+impl Unread {
+    /// Notes a key, unless it is for drawing. As many are kept as are said.
+    fn note(&mut self, path: &Path<'_>) {
+        let Path::Map { parent, key } = path else { return };
+        if self.keys.len() < MAX_DIAGNOSTICS && !DRAWING.contains(&key.as_str()) {
+            self.keys.push((index_of(parent), key.chars().take(40).collect()));
+        }
+    }
+}
+
+/// The index of the list that a path goes through.
+fn index_of(path: &Path<'_>) -> Option<usize> {
+    match path {
+        Path::Root => None,
+        Path::Seq { index, .. } => Some(*index),
+        Path::Map { parent, .. }
+        | Path::Some { parent }
+        | Path::NewtypeStruct { parent }
+        | Path::NewtypeVariant { parent } => index_of(parent),
+    }
+}
 
 /// Keys that do not change a curve.
 const DRAWING: [&str; 8] =
@@ -60,7 +111,10 @@ const DRAWING: [&str; 8] =
 
 /// Reads the curves of a file into `part`.
 pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
-    let file: File = match serde_json::from_str(report.source.text) {
+    let mut unread = Unread::default();
+    let mut json = serde_json::Deserializer::from_str(report.source.text);
+    let file: Result<File, _> = serde_ignored::deserialize(&mut json, |path| unread.note(&path));
+    let file = match file.and_then(|file| json.end().map(|()| file)) {
         Ok(file) => file,
         Err(error) => {
             let span = report.source.span_at(error.line(), error.column());
@@ -84,13 +138,13 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
             .error(span, format!("`shape.count` is not the number of curves, {found}"))
             .expected("the same");
     }
-    read_over(report, Span::default(), &file.other);
-    read_over(report, Span::default(), &file.shape.other);
+    let mut unread = unread.keys.into_iter().peekable();
     let mut places = key_places(report, "\"knotvector\"");
     for (index, data) in file.shape.data.into_iter().enumerate() {
         let span = places.next().unwrap_or_default();
-        read_over(report, span, &data.other);
-        read_over(report, span, &data.control_points.other);
+        while let Some((curve, key)) = unread.next_if(|(curve, _)| curve.is_none_or(|curve| curve <= index)) {
+            read_over(report, if curve.is_some() { span } else { Span::default() }, &key);
+        }
         if let Some(curve) = curve_of(report, (index, span), data) {
             let (kind, shape, line) =
                 (MoveKind::Feed, PartShape::Nurbs, report.source.line_number(span.start));
@@ -98,6 +152,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
             part.curves.push(curve);
         }
     }
+    unread.for_each(|(_, key)| read_over(report, Span::default(), &key));
     if part.curves.is_empty() && !report.has_errors() {
         report.error(Span::default(), "`shape.data` holds no curve").expected("at least one curve");
     }
@@ -109,25 +164,20 @@ fn key_places<'t>(report: &Report<'t>, key: &'static str) -> impl Iterator<Item 
     found.map(move |(at, _)| Span::new(at, at + key.len()))
 }
 
-fn read_over(report: &mut Report<'_>, span: Span, other: &Other) {
-    for key in other.keys().filter(|key| !DRAWING.contains(&key.as_str())) {
-        report.warning(span, format!("the key `{}` is not read", key.chars().take(40).collect::<String>()));
-    }
+fn read_over(report: &mut Report<'_>, span: Span, key: &str) {
+    report.warning(span, format!("the key `{key}` is not read"));
 }
 
 fn curve_of(report: &mut Report<'_>, (index, span): (usize, Span), data: Data) -> Option<Curve> {
-    let dimension = data.control_points.points.first().map_or(0, Vec::len);
+    let dimension = data.control_points.points.first().map_or(0, |point| point.count);
     let mut points = Vec::with_capacity(data.control_points.points.len());
     for (n, point) in data.control_points.points.iter().enumerate() {
-        match point.as_slice() {
-            [x, y] if dimension == 2 => points.push([*x, *y, 0.0]),
-            [x, y, z] if dimension == 3 => points.push([*x, *y, *z]),
-            other => {
-                let message = format!("curve {index}: control point {n} has {} coordinates", other.len());
-                report.error(span, message).expected("2 or 3, the same number in every point");
-                return None;
-            }
+        if point.count != dimension || !(2..=3).contains(&dimension) {
+            let message = format!("curve {index}: control point {n} has {} coordinates", point.count);
+            report.error(span, message).expected("2 or 3, the same number in every point");
+            return None;
         }
+        points.push(point.coordinates);
     }
     if data.dimension.is_some_and(|stated| stated != dimension) {
         let message = format!("curve {index}: `dimension` is not that of its points, {dimension}");

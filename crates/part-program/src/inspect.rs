@@ -4,14 +4,14 @@ use serde::Serialize;
 
 use crate::bend::{Measure, measure};
 use crate::bounds::bounding_box_mm;
-use crate::joint::{Joint, joints};
+use crate::joint::Joints;
 use crate::moves::{MoveKind, Shape};
 use crate::part::Part;
 use crate::remark::{Remark, oddities};
 
 /// The contents of a part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Inspection {
+pub struct Inspection<'p> {
     /// Rapid moves.
     pub rapids: usize,
     /// Straight moves at feed.
@@ -35,7 +35,7 @@ pub struct Inspection {
     /// The sharpest bend of each curve at feed that bends, in the order of the path.
     pub bends: Vec<Bend>,
     /// Joints with a gap or a change of direction.
-    pub joints: Vec<Joint>,
+    pub joints: Joints<'p>,
     /// The oddities of its curves.
     pub remarks: Vec<Remark>,
     /// Lines of moves at feed that end where they start.
@@ -57,7 +57,7 @@ pub struct Bend {
     pub radius_mm: f64,
 }
 
-impl Inspection {
+impl Inspection<'_> {
     /// The sharpest bend of all.
     #[must_use]
     pub fn sharpest(&self) -> Option<&Bend> {
@@ -67,7 +67,7 @@ impl Inspection {
 
 /// Inspects a part.
 #[must_use]
-pub fn inspect(part: &Part) -> Inspection {
+pub fn inspect(part: &Part) -> Inspection<'_> {
     let count = |wanted: Shape| {
         part.moves.iter().filter(|one| one.kind == MoveKind::Feed && one.shape == wanted).count()
     };
@@ -85,7 +85,7 @@ pub fn inspect(part: &Part) -> Inspection {
         bounding_box_mm: bounding_box_mm(&part.curves),
         feedrates_mm_per_s: feeds().reduce(f64::min).zip(feeds().reduce(f64::max)),
         bends: Vec::new(),
-        joints: joints(part),
+        joints: Joints(part),
         remarks: Vec::new(),
         standstills: part.standstills.clone(),
     };

@@ -1,6 +1,6 @@
 //! Joints between one curve and the next, and corners inside a curve.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::curve::Curve;
 use crate::moves::MoveKind;
@@ -35,23 +35,31 @@ pub fn is_joined(end: &[f64; 3], start: &[f64; 3]) -> bool {
     length(difference(start, end)) <= GAP_MM
 }
 
-/// Every joint with a gap above [`GAP_MM`] or a break above [`TANGENT_BREAK_RAD`], in the order of the path.
-pub(crate) fn joints(part: &Part) -> Vec<Joint> {
-    let mut joints = Vec::new();
-    for (index, (curve, one)) in part.curves.iter().zip(&part.moves).enumerate() {
-        if let Some(before) = index.checked_sub(1) {
-            let is_cut = [before, index].iter().all(|i| part.moves[*i].kind == MoveKind::Feed);
-            joints.extend(between(&part.curves[before], curve, is_cut).map(|joint| Joint {
-                curve: index,
-                line: one.line,
-                ..joint
-            }));
-        }
-        if one.kind == MoveKind::Feed {
-            joints.extend(corners(curve).map(|joint| Joint { curve: index, line: one.line, ..joint }));
-        }
+/// Every joint of a part with a gap above [`GAP_MM`] or a break above [`TANGENT_BREAK_RAD`], in the order of the path. A
+/// program may have a corner at each of millions of moves, so they are found anew each time and not kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joints<'p>(pub(crate) &'p Part);
+
+impl<'p> Joints<'p> {
+    /// The joints, one after the other.
+    pub fn iter(&self) -> impl Iterator<Item = Joint> + use<'p> {
+        let part = self.0;
+        part.curves.iter().zip(&part.moves).enumerate().flat_map(move |(index, (curve, one))| {
+            let of_move = move |joint| Joint { curve: index, line: one.line, ..joint };
+            let before = index.checked_sub(1).and_then(|before| {
+                let is_cut = [before, index].iter().all(|i| part.moves[*i].kind == MoveKind::Feed);
+                between(&part.curves[before], curve, is_cut)
+            });
+            let inside = (one.kind == MoveKind::Feed).then(|| corners(curve));
+            before.into_iter().chain(inside.into_iter().flatten()).map(of_move)
+        })
     }
-    joints
+}
+
+impl Serialize for Joints<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter())
+    }
 }
 
 /// A smaller change of direction, in rad, is none for LinuxCNC's exact path.
@@ -119,7 +127,7 @@ mod tests {
     use crate::read_part;
 
     fn seen(text: &str) -> Vec<Joint> {
-        joints(&read_part("p.nc", text).unwrap())
+        Joints(&read_part("p.nc", text).unwrap()).iter().collect()
     }
 
     #[test]

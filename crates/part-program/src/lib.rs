@@ -50,6 +50,7 @@ mod gcode;
 mod geomdl;
 mod inspect;
 mod joint;
+mod lean_toml;
 mod machine;
 mod moves;
 mod options;
@@ -80,7 +81,7 @@ pub use curve::{
 };
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use inspect::{Bend, Inspection, inspect};
-pub use joint::{GAP_MM, Joint, TANGENT_BREAK_RAD, is_joined};
+pub use joint::{GAP_MM, Joint, Joints, TANGENT_BREAK_RAD, is_joined};
 pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
 pub use moves::{Move, MoveKind, Shape};
 pub use options::{Dialect, ReadOptions, Unit};

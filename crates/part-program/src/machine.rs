@@ -1,13 +1,19 @@
 //! A machine's limits: the table `[machine]` of a TOML file.
 
+use domains::machine::{
+    ACCELERATION, AXIS_ACCELERATION, AXIS_JERK, AXIS_VELOCITY, CENTRIPETAL, CHORD_ERROR, DEVIATION, FEEDRATE,
+    FLUCTUATION_LIMIT, INCREMENT, JERK, JUNCTION, MAX_ITERATIONS, PARAMETER_TOLERANCE, PERIOD, S_STOPS,
+    VELOCITY_JUMP,
+};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use toml::de::DeTable;
 
 use crate::diagnostic::{Diagnostics, Report};
+use crate::lean_toml::LeanToml;
 use crate::source::Span;
 use crate::text_length::opened;
-use crate::toml_table::{self, Domain, TableReader};
+use crate::toml_table::{self, TableReader};
 
 /// The limits under which a part is run.
 ///
@@ -62,17 +68,16 @@ fn is_true(truth: &bool) -> bool {
     *truth
 }
 
-/// Key of δ.
-const DEVIATION: &str = "junction_deviation_mm";
-
 impl Machine {
     /// The largest chord error of a period that passes a corner, in mm, with the key that sets it: max(E, δ), where δ
     /// is `junction_deviation_mm`. With other junctions it is E.
     #[must_use]
     pub fn corner_error_mm(&self) -> (f64, &'static str) {
         match self.junction {
-            Junction::DeviationMm(deviation) if deviation > self.chord_error_mm => (deviation, DEVIATION),
-            _ => (self.chord_error_mm, "chord_error_mm"),
+            Junction::DeviationMm(deviation) if deviation > self.chord_error_mm => {
+                (deviation, DEVIATION.name)
+            }
+            _ => (self.chord_error_mm, CHORD_ERROR.name),
         }
     }
 }
@@ -137,7 +142,8 @@ pub struct AxisLimits {
 /// Every fault of the text, each at its place.
 pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
     let mut report = opened(name, text)?;
-    let machine = toml_table::parse(&mut report, text).and_then(|document| {
+    let rest = LeanToml::of(text).into_rest();
+    let machine = toml_table::parse(&mut report, &rest).and_then(|document| {
         toml_table::refuse_unknown_tables(&mut report, document.get_ref());
         let mut root = TableReader::new(&mut report, "the file", Span::default(), document.get_ref());
         let Some((header, table)) = root.table("machine") else {
@@ -157,52 +163,20 @@ pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
     }
 }
 
-/// A number must be positive and at most a bound that no machine reaches. This finds a unit that is wrong by a factor
-/// of a thousand.
-macro_rules! up_to {
-    ($bound:literal, $unit:literal) => {
-        Domain {
-            expected: concat!("a number above 0 and at most ", $bound, " ", $unit),
-            holds: |x| x > 0.0 && x <= $bound,
-        }
-    };
-}
-
-const PERIOD: Domain = up_to!(1e3, "ms");
-pub(crate) const FEEDRATE: Domain = up_to!(1e5, "mm/s");
-const ACCELERATION: Domain = up_to!(1e8, "mm/s²");
-const JERK: Domain = up_to!(1e12, "mm/s³");
-const CHORD_ERROR: Domain = up_to!(1e2, "mm");
-/// A micrometre.
-const CHORD_ERROR_MM: f64 = 1e-3;
-const INCREMENT: Domain = up_to!(1e2, "mm");
-/// 10 nm, as FANUC's increment system IS-D.
-const INCREMENT_MM: f64 = 1e-5;
-const RATIO: Domain = Domain { expected: "a ratio above 0 and below 1", holds: |x| x > 0.0 && x < 1.0 };
-/// 10 nm of a step of 0.1 mm.
-const FLUCTUATION_LIMIT: f64 = 1e-4;
-/// 1 nm of a path of 10 m.
-const PARAMETER_TOLERANCE: f64 = 1e-10;
-/// A secant that has not converged after as many iterations finds no better parameter with more.
-const ITERATIONS: u32 = 8;
-/// More iterations than this are a loop, not a solver.
-const MAX_ITERATIONS: u32 = 1000;
-
 /// Reads the table `[machine]`; `None` after an error was reported.
 pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<Machine> {
     let mut keys = TableReader::new(report, "[machine]", header, table);
-    let interpolation_period_ms = keys.number("interpolation_period_ms", PERIOD);
-    let feedrate_mm_per_s = keys.number("feedrate_mm_per_s", FEEDRATE);
-    let acceleration_mm_per_s2 = keys.number("acceleration_mm_per_s2", ACCELERATION);
-    let jerk_mm_per_s3 = keys.number("jerk_mm_per_s3", JERK);
-    let chord_error_mm = keys.number_or("chord_error_mm", CHORD_ERROR, CHORD_ERROR_MM);
-    let position_increment_mm = keys.number_or("position_increment_mm", INCREMENT, INCREMENT_MM);
-    let fluctuation_limit = keys.number_or("fluctuation_limit", RATIO, FLUCTUATION_LIMIT);
-    let parameter_tolerance = keys.number_or("parameter_tolerance", RATIO, PARAMETER_TOLERANCE);
-    let max_iterations = max_iterations(&mut keys);
-    let s_stops = keys.truth_or("s_stops", true);
-    let centripetal_acceleration_mm_per_s2 =
-        keys.optional_number("centripetal_acceleration_mm_per_s2", ACCELERATION);
+    let interpolation_period_ms = keys.number(&PERIOD);
+    let feedrate_mm_per_s = keys.number(&FEEDRATE);
+    let acceleration_mm_per_s2 = keys.number(&ACCELERATION);
+    let jerk_mm_per_s3 = keys.number(&JERK);
+    let chord_error_mm = keys.number(&CHORD_ERROR);
+    let position_increment_mm = keys.number(&INCREMENT);
+    let fluctuation_limit = keys.number(&FLUCTUATION_LIMIT);
+    let parameter_tolerance = keys.number(&PARAMETER_TOLERANCE);
+    let max_iterations = keys.whole_number(&MAX_ITERATIONS);
+    let s_stops = keys.truth_or(S_STOPS.name, true);
+    let centripetal_acceleration_mm_per_s2 = keys.optional_number(&CENTRIPETAL);
     let junction = junction(&mut keys);
     let axes = keys.table("axes");
     keys.finish();
@@ -239,46 +213,16 @@ pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<
 }
 
 fn junction(keys: &mut TableReader<'_, '_, '_>) -> Junction {
-    const KEY: &str = "junction";
-    let expected = "\"stop\", \"deviation\" or \"velocity-jump\"";
-    let value = keys.optional(KEY);
-    let named = value.map(|value| (value.span(), value.get_ref().as_str()));
-    match named {
-        Some((_, Some("deviation"))) => {
-            keys.number(DEVIATION, CHORD_ERROR).map_or(Junction::Stop, Junction::DeviationMm)
-        }
-        other => {
-            if keys.optional_number(DEVIATION, CHORD_ERROR).is_some() {
-                let span = keys.optional(DEVIATION).map_or_else(Span::default, |value| value.span().into());
-                let message = format!("`{DEVIATION}` says nothing unless `junction` is \"deviation\"");
-                keys.report.error(span, message).expected("a line `junction = \"deviation\"`");
-            }
-            match other {
-                None | Some((_, Some("stop"))) => Junction::Stop,
-                Some((_, Some("velocity-jump"))) => Junction::VelocityJump,
-                Some((span, found)) => {
-                    let found = found.map_or_else(|| "no text".into(), |found| format!("{found:?}"));
-                    keys.report.error(span, format!("`{KEY}` is {found}")).expected(expected);
-                    Junction::Stop
-                }
-            }
-        }
+    let named = keys.word(&JUNCTION);
+    if named == Some("deviation") {
+        return keys.number(&DEVIATION).map_or(Junction::Stop, Junction::DeviationMm);
     }
-}
-
-fn max_iterations(keys: &mut TableReader<'_, '_, '_>) -> Option<u32> {
-    const KEY: &str = "max_iterations";
-    let expected = format!("a whole number of 1 to {MAX_ITERATIONS}");
-    if keys.optional(KEY).is_none() {
-        return Some(ITERATIONS);
+    if keys.optional_number(&DEVIATION).is_some() {
+        let span = keys.optional(DEVIATION.name).map_or_else(Span::default, |value| value.span().into());
+        let message = format!("`{}` says nothing unless `junction` is \"deviation\"", DEVIATION.name);
+        keys.report.error(span, message).expected("a line `junction = \"deviation\"`");
     }
-    let iterations = keys.whole_number(KEY, &expected)?;
-    if !(1..=MAX_ITERATIONS).contains(&iterations) {
-        let span = keys.optional(KEY).map_or_else(Span::default, |value| value.span().into());
-        keys.report.error(span, format!("`{KEY}` is {iterations}")).expected(expected);
-        return None;
-    }
-    Some(iterations)
+    if named == Some("velocity-jump") { Junction::VelocityJump } else { Junction::Stop }
 }
 
 fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Axes {
@@ -287,10 +231,10 @@ fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Axes
         let Some((header, table)) = keys.table(key) else { return AxisLimits::default() };
         let mut keys = TableReader::new(report, format!("[machine.axes.{key}]"), header, table);
         let limits = AxisLimits {
-            velocity_mm_per_s: keys.optional_number("velocity_mm_per_s", FEEDRATE),
-            acceleration_mm_per_s2: keys.optional_number("acceleration_mm_per_s2", ACCELERATION),
-            jerk_mm_per_s3: keys.optional_number("jerk_mm_per_s3", JERK),
-            velocity_jump_mm_per_s: keys.optional_number("velocity_jump_mm_per_s", FEEDRATE),
+            velocity_mm_per_s: keys.optional_number(&AXIS_VELOCITY),
+            acceleration_mm_per_s2: keys.optional_number(&AXIS_ACCELERATION),
+            jerk_mm_per_s3: keys.optional_number(&AXIS_JERK),
+            velocity_jump_mm_per_s: keys.optional_number(&VELOCITY_JUMP),
         };
         keys.finish();
         limits
@@ -385,7 +329,7 @@ velocity = 3
         assert_eq!(machine.axes.y.velocity_jump_mm_per_s, Some(5.0));
         for (more, message) in [
             ("junction = \"fast\"\n", "`junction` is \"fast\""),
-            ("junction = 3\n", "`junction` is no text"),
+            ("junction = 3\n", "`junction` is 3"),
             ("junction = \"deviation\"\n", "`junction_deviation_mm` is missing in [machine]"),
             ("junction = \"deviation\"\njunction_deviation_mm = 0\n", "`junction_deviation_mm` is 0"),
             (

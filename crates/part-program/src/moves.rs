@@ -38,6 +38,3 @@ pub enum Shape {
     /// A spline with the given numbers.
     Nurbs,
 }
-
-/// Highest feedrate that is accepted, in mm/s.
-pub(crate) const MAX_FEEDRATE: f64 = 1e5;

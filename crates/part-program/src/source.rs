@@ -31,7 +31,8 @@ impl From<Range<usize>> for Span {
 pub(crate) struct Source<'t> {
     pub(crate) name: Arc<str>,
     pub(crate) text: &'t str,
-    line_starts: Vec<usize>,
+    /// A text has at most 64 MiB, and may have as many lines.
+    line_starts: Vec<u32>,
 }
 
 /// A span as a reader of the text counts; line and column begin at 1, columns count characters.
@@ -47,13 +48,14 @@ pub(crate) struct TextPlace<'t> {
 
 impl<'t> Source<'t> {
     pub(crate) fn new(name: &str, text: &'t str) -> Self {
-        let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        let behind = |(at, _): (usize, &str)| u32::try_from(at + 1).unwrap_or(u32::MAX);
+        let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(behind)).collect();
         Self { name: name.into(), text, line_starts }
     }
 
     /// Number of the line that holds byte `at`, from 1.
     pub(crate) fn line_number(&self, at: usize) -> usize {
-        self.line_starts.partition_point(|start| *start <= at).max(1)
+        self.line_starts.partition_point(|start| *start as usize <= at).max(1)
     }
 
     /// Number of lines; of a text that ends with a line end, the empty one behind it is one.
@@ -63,9 +65,14 @@ impl<'t> Source<'t> {
 
     /// The byte at which a line begins, and its text with its line end; lines count from 0, and there is nothing behind the last.
     pub(crate) fn line(&self, index: usize) -> (usize, &'t str) {
-        let start_of = |index: usize| self.line_starts.get(index).copied().unwrap_or(self.text.len());
+        let start_of = |index: usize| self.start_of(index).unwrap_or(self.text.len());
         let start = start_of(index);
         (start, self.text.get(start..start_of(index.saturating_add(1))).unwrap_or(""))
+    }
+
+    /// The byte at which a line begins; lines count from 0.
+    fn start_of(&self, index: usize) -> Option<usize> {
+        self.line_starts.get(index).map(|start| *start as usize)
     }
 
     /// The text of a span; empty if the span does not fall on characters.
@@ -75,16 +82,15 @@ impl<'t> Source<'t> {
 
     /// One character at a line and a column that count from 1, in bytes.
     pub(crate) fn span_at(&self, line: usize, column: usize) -> Span {
-        let start =
-            self.line_starts.get(line.saturating_sub(1)).map_or(0, |start| start + column.saturating_sub(1));
+        let start = self.start_of(line.saturating_sub(1)).map_or(0, |start| start + column.saturating_sub(1));
         Span::new(start, start + 1)
     }
 
     pub(crate) fn place(&self, span: Span) -> TextPlace<'t> {
         let at = span.start.min(self.text.len());
         let line = self.line_number(at);
-        let start = self.line_starts[line - 1];
-        let end = self.line_starts.get(line).map_or(self.text.len(), |next| next - 1);
+        let start = self.start_of(line - 1).unwrap_or(0);
+        let end = self.start_of(line).map_or(self.text.len(), |next| next - 1);
         let line_text = self.text.get(start..end).unwrap_or("").trim_end_matches('\r');
         let offset = floor_char_boundary(line_text, at - start);
         let stop = floor_char_boundary(line_text, span.end.saturating_sub(start)).max(offset);

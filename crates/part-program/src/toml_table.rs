@@ -1,18 +1,12 @@
 //! A TOML table read key by key, so that each fault is reported at its own place and none hides another.
 
+use domains::{Key, Value, shown};
 use toml::Spanned;
-use toml::de::{DeArray, DeTable, DeValue};
+use toml::de::{DeTable, DeValue};
+use toml_parser::lexer::{Token, TokenKind};
 
 use crate::diagnostic::Report;
 use crate::source::Span;
-
-/// The range of a number.
-#[derive(Clone, Copy)]
-pub(crate) struct Domain {
-    /// The message for a number outside.
-    pub(crate) expected: &'static str,
-    pub(crate) holds: fn(f64) -> bool,
-}
 
 /// A table, with the keys that have been read.
 pub(crate) struct TableReader<'r, 'd, 't> {
@@ -52,31 +46,28 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         value
     }
 
-    /// A required number within `domain`.
-    pub(crate) fn number(&mut self, key: &'static str, domain: Domain) -> Option<f64> {
-        let value = self.required(key)?;
-        self.number_of(key, value, domain)
-    }
-
-    /// A number within `domain`, if the key is there.
-    pub(crate) fn optional_number(&mut self, key: &'static str, domain: Domain) -> Option<f64> {
-        let value = self.optional(key)?;
-        self.number_of(key, value, domain)
-    }
-
-    /// A number within `domain`, or `default` if the key is not there.
-    pub(crate) fn number_or(&mut self, key: &'static str, domain: Domain, default: f64) -> Option<f64> {
-        match self.optional(key) {
-            Some(value) => self.number_of(key, value, domain),
-            None => Some(default),
+    /// The number of a key, within its domain. Where the key is left out, that is its default, or an error.
+    pub(crate) fn number(&mut self, key: &Key) -> Option<f64> {
+        match (self.optional(key.name), key.default_number()) {
+            (None, Some(default)) => Some(default),
+            _ => {
+                let value = self.required(key.name)?;
+                self.number_of(key, value)
+            }
         }
     }
 
-    fn number_of(&mut self, key: &str, value: &Spanned<DeValue<'_>>, domain: Domain) -> Option<f64> {
-        let number = number(self.report, key, value)?;
-        if !(domain.holds)(number) {
-            let message = format!("`{key}` is {number}");
-            self.report.error(value.span(), message).expected(domain.expected);
+    /// The number of a key, within its domain, if the key is there.
+    pub(crate) fn optional_number(&mut self, key: &Key) -> Option<f64> {
+        let value = self.optional(key.name)?;
+        self.number_of(key, value)
+    }
+
+    fn number_of(&mut self, key: &Key, value: &Spanned<DeValue<'_>>) -> Option<f64> {
+        let number = number(self.report, key.name, value)?;
+        if !key.holds(number) {
+            let message = format!("`{}` is {}", key.name, shown(number));
+            self.report.error(value.span(), message).expected(key.expected());
             return None;
         }
         Some(number)
@@ -96,35 +87,54 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         }
     }
 
-    /// A required whole number of 0 to 2³² - 1.
-    pub(crate) fn whole_number(&mut self, key: &'static str, expected: &str) -> Option<u32> {
-        let value = self.required(key)?;
+    /// The whole number of a key, within its domain; an error where it is left out and has no default.
+    pub(crate) fn whole_number(&mut self, key: &Key) -> Option<u32> {
+        let value = match (self.optional(key.name), key.default_number()) {
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "defaults are small")]
+            (None, Some(default)) => return Some(default as u32),
+            _ => self.required(key.name)?,
+        };
+        self.whole_of(key, value, |whole| key.holds(f64::from(whole)))
+    }
+
+    /// The whole number of a key that must be there, where others say whether it is within the key's domain.
+    pub(crate) fn any_whole_number(&mut self, key: &Key) -> Option<u32> {
+        let value = self.required(key.name)?;
+        self.whole_of(key, value, |_| true)
+    }
+
+    fn whole_of(
+        &mut self,
+        key: &Key,
+        value: &Spanned<DeValue<'_>>,
+        holds: impl Fn(u32) -> bool,
+    ) -> Option<u32> {
         let whole = match value.get_ref() {
             DeValue::Integer(integer) => u32::from_str_radix(integer.as_str(), integer.radix()).ok(),
             _ => None,
         };
-        if whole.is_none() {
-            let text = self.report.source.slice(value.span().into());
-            self.report.error(value.span(), format!("`{key}` is {text}")).expected(expected);
+        let within = whole.filter(|whole| holds(*whole));
+        if within.is_none() {
+            let text = self.report.slice(value.span().into());
+            self.report.error(value.span(), format!("`{}` is {text}", key.name)).expected(key.expected());
         }
-        whole
+        within
     }
 
-    /// One of some words; the first of them if the key is missing.
-    pub(crate) fn word(&mut self, key: &'static str, words: &[&'static str]) -> Option<&'static str> {
-        let Some(value) = self.optional(key) else { return words.first().copied() };
+    /// One of the words of a key; the first of them if the key is missing.
+    pub(crate) fn word(&mut self, key: &Key) -> Option<&'static str> {
+        let Value::Word(words) = key.value else { return None };
+        let Some(value) = self.optional(key.name) else { return words.first().copied() };
         let found = value.get_ref().as_str().and_then(|text| words.iter().find(|word| **word == text));
         if found.is_none() {
-            let text = self.report.source.slice(value.span().into()).to_owned();
-            let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
-            let expected = listed(&quoted.iter().map(String::as_str).collect::<Vec<_>>());
-            self.report.error(value.span(), format!("`{key}` is {text}")).expected(expected);
+            let text = self.report.slice(value.span().into());
+            self.report.error(value.span(), format!("`{}` is {text}", key.name)).expected(key.expected());
         }
         found.copied()
     }
 
-    /// A required array.
-    pub(crate) fn array(&mut self, key: &'static str) -> Option<(Span, &'d DeArray<'d>)> {
+    /// The place of a required array, whose items are read where they stand.
+    pub(crate) fn array(&mut self, key: &'static str) -> Option<Span> {
         let value = self.required(key)?;
         array(self.report, key, value)
     }
@@ -169,9 +179,22 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
     }
 }
 
-/// Parses `source` and reports every syntax error at its place.
-pub(crate) fn parse<'t>(report: &mut Report<'_>, source_text: &'t str) -> Option<Spanned<DeTable<'t>>> {
-    let (document, errors) = DeTable::parse_recoverable(source_text);
+/// Most tokens that are parsed at once: each value takes some hundred bytes. The numbers of curves are not among them.
+const MOST_TOKENS: usize = 200_000;
+
+/// Parses a text and reports every syntax error at its place.
+pub(crate) fn parse<'d>(report: &mut Report<'_>, text: &'d str) -> Option<Spanned<DeTable<'d>>> {
+    let counts = |token: &Token| {
+        !matches!(token.kind(), TokenKind::Whitespace | TokenKind::Newline | TokenKind::Comment)
+    };
+    if let Some(token) = toml_parser::Source::new(text).lex().filter(counts).nth(MOST_TOKENS) {
+        let span = Span::new(token.span().start(), token.span().end());
+        let message =
+            format!("more than {MOST_TOKENS} words, numbers and signs beside the numbers of curves");
+        report.error(span, message).expected("curves, and limits of a machine");
+        return None;
+    }
+    let (document, errors) = DeTable::parse_recoverable(text);
     if errors.is_empty() {
         return Some(document);
     }
@@ -183,33 +206,39 @@ pub(crate) fn parse<'t>(report: &mut Report<'_>, source_text: &'t str) -> Option
 
 /// A finite or infinite number, whole or with a fraction.
 pub(crate) fn number(report: &mut Report<'_>, key: &str, value: &Spanned<DeValue<'_>>) -> Option<f64> {
-    let number = match value.get_ref() {
-        DeValue::Float(float) => float.as_str().parse().ok(),
-        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
-        _ => None,
-    };
+    let number = number_of(value.get_ref());
     if number.is_none() {
         wrong_kind(report, key, value, "a number");
     }
     number
 }
 
-pub(crate) fn array<'d>(
-    report: &mut Report<'_>,
-    key: &str,
-    value: &'d Spanned<DeValue<'d>>,
-) -> Option<(Span, &'d DeArray<'d>)> {
-    let DeValue::Array(array) = value.get_ref() else {
+/// The number that a value is, if it is one.
+pub(crate) fn number_of(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
+        _ => None,
+    }
+}
+
+/// The place of an array.
+pub(crate) fn array(report: &mut Report<'_>, key: &str, value: &Spanned<DeValue<'_>>) -> Option<Span> {
+    let is_array = matches!(value.get_ref(), DeValue::Array(_));
+    if !is_array {
         wrong_kind(report, key, value, "an array");
-        return None;
-    };
-    Some((value.span().into(), array))
+    }
+    is_array.then(|| value.span().into())
 }
 
 pub(crate) fn wrong_kind(report: &mut Report<'_>, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
-    let kind = value.get_ref().type_str();
+    holds(report, key, (value.span().into(), value.get_ref().type_str()), expected);
+}
+
+/// Reports that a key holds a value of this kind at this place.
+pub(crate) fn holds(report: &mut Report<'_>, key: &str, (span, kind): (Span, &str), expected: &str) {
     let article = if kind.starts_with(['a', 'i']) { "an" } else { "a" };
-    report.error(value.span(), format!("`{key}` holds {article} {kind}")).expected(expected);
+    report.error(span, format!("`{key}` holds {article} {kind}")).expected(expected);
 }
 
 /// A list of words, as in "a, b or c".

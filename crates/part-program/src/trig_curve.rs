@@ -16,49 +16,49 @@
 //!
 //! **Source**: paper B (Tao Jianming et al.; see `docs/papers.md`), with its shape factors.
 
+use domains::curve::{ENDS, K, LAMBDA, POINTS, TOLERANCE};
 use nurbs_core::{Ends, ShapeError, ShapeFactors, TrigSplineBuf};
 
 use crate::curve::{Curve, Nurbs, coordinate_faults};
 use crate::curve_numbers::{Places, control_points, say};
 use crate::source::Span;
-use crate::toml_table::{Domain, TableReader};
+use crate::toml_table::TableReader;
 
-/// For a larger value a segment is a loop far longer than its chord.
-const FACTOR: Domain = Domain { expected: "a number within ±1000", holds: |x| x.abs() <= 1e3 };
-const TOLERANCE: Domain =
-    Domain { expected: "a number above 0 and at most 1 mm", holds: |x| x > 0.0 && x <= 1.0 };
-const TOLERANCE_MM: f64 = 1e-6;
 /// With degree 5 the polynomials have the spline's own second derivatives at their joints.
 const DEGREE: usize = 5;
-/// The ways to continue behind the last point; without the key the first holds.
-const ENDS: [(&str, Ends); 4] = [
-    ("continued", Ends::Continued),
-    ("repeated", Ends::Repeated),
-    ("closed", Ends::Closed),
-    ("as-given", Ends::AsGiven),
-];
+
+/// The way to continue after the last point, by its word.
+fn ends_of(word: &str) -> Option<Ends> {
+    Some(match word {
+        "continued" => Ends::Continued,
+        "repeated" => Ends::Repeated,
+        "closed" => Ends::Closed,
+        "as-given" => Ends::AsGiven,
+        _ => return None,
+    })
+}
 
 /// Reads the keys that only these curves have; the table's header is at `header`.
 pub(crate) fn from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Option<Curve> {
-    let points = keys.array("control_points_mm");
-    let lambda = keys.number("lambda", FACTOR);
-    let k = keys.number("k", FACTOR);
-    let word = keys.word("ends", &ENDS.map(|(word, _)| word));
-    let tolerance_at = keys.optional("tolerance_mm").map_or(header, |value| value.span().into());
-    let tolerance_mm = keys.optional_number("tolerance_mm", TOLERANCE);
+    let points = keys.array(POINTS.name);
+    let lambda = keys.number(&LAMBDA);
+    let k = keys.number(&K);
+    let word = keys.word(&ENDS);
+    let tolerance_at = keys.optional(TOLERANCE.name).map_or(header, |value| value.span().into());
+    let tolerance_mm = keys.number(&TOLERANCE);
     let report = keys.finish();
 
-    let (points_at, array) = points?;
+    let points_at = points?;
     let mut places = Places::all_at(points_at);
-    let (points, dimension) = control_points(report, array, &mut places.point)?;
+    let (points, dimension) = control_points(report, points_at, &mut places.point)?;
     let faults = coordinate_faults(&points);
     say(report, &places, &faults);
-    let ends = ENDS.into_iter().find_map(|(known, ends)| (Some(known) == word).then_some(ends))?;
+    let ends = word.and_then(ends_of)?;
     let shape = ShapeFactors { lambda: lambda?, k: k? };
     if !faults.is_empty() {
         return None;
     }
-    let tolerance_mm = tolerance_mm.unwrap_or(TOLERANCE_MM);
+    let tolerance_mm = tolerance_mm?;
     let spline = TrigSplineBuf::through(&points, shape, ends);
     match spline.and_then(|spline| spline.to_polynomials(tolerance_mm, DEGREE)) {
         Ok(polynomials) => {
@@ -134,7 +134,7 @@ mod tests {
         let cases = [
             (points, "ends = \"open\"", "t.toml:6:8", "`ends` is \"open\""),
             (points, "tolerance_mm = 0", "t.toml:6:16", "`tolerance_mm` is 0"),
-            (points, "tolerance_mm = 1e-30", "t.toml:6:16", "the tolerance takes more than 4096 pieces"),
+            (points, "tolerance_mm = 1e-30", "t.toml:6:16", "`tolerance_mm` is 1e-30"),
             (points, "degree = 3", "t.toml:6:1", "unknown key `degree`"),
             ("[[0, 0], [9, 3], [4, 5]]", "ends = \"as-given\"", "t.toml:5:21", "3 points are fewer than 4"),
             ("[[0, 0], [10, 3e8]]", "", "t.toml:5:30", "control point 1 has the coordinate 300000000"),

@@ -283,7 +283,7 @@ fn a_spline_that_breaks_is_two_curves() {
         (two.curves[0].control_points_mm()[3], two.curves[1].control_points_mm()[0]),
         ([3.0, 0.0, 0.0], [3.0, 2.0, 0.0])
     );
-    near(inspect(&two).joints[0].gap_mm, 2.0);
+    near(inspect(&two).joints.iter().next().unwrap().gap_mm, 2.0);
 }
 
 const FIT: &str = "11 0 21 24 31 0 11 1.25 21 25.25 31 0 11 3 21 26 31 0 11 5 21 26.5 31 0 11 8 21 29 31 0";

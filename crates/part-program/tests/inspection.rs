@@ -7,15 +7,17 @@ use part_program::{Oddity, inspect, read_part};
 #[test]
 fn counts_extent_and_joints() {
     let text = "G0 X0 Y0 F600\nG1 X10\nG3 X20 Y10 I0 J10\nG1 Y20\nX0 F1200\nG0 X-5\n";
-    let seen = inspect(&read_part("p.nc", text).unwrap());
+    let part = read_part("p.nc", text).unwrap();
+    let seen = inspect(&part);
     assert_eq!((seen.rapids, seen.lines, seen.arcs, seen.splines), (1, 3, 1, 0));
     assert_eq!(seen.degrees, Some((1, 2)));
     assert_eq!(seen.control_points, 11);
     assert_eq!(seen.bounding_box_mm, Some(([-5.0, 0.0, 0.0], [20.0, 20.0, 0.0])));
     assert_eq!(seen.feedrates_mm_per_s, Some((10.0, 20.0)));
     // Line to arc to line are tangent; the corner at (20, 20) is not.
-    assert_eq!(seen.joints.len(), 1, "{:?}", seen.joints);
-    let corner = seen.joints[0];
+    let joints: Vec<_> = seen.joints.iter().collect();
+    assert_eq!(joints.len(), 1, "{joints:?}");
+    let corner = joints[0];
     assert_eq!((corner.curve, corner.line, corner.gap_mm), (3, 5, 0.0));
     assert!((corner.tangent_break_rad - FRAC_PI_2).abs() < 1e-15);
     assert_eq!(seen.remarks, []);
@@ -24,7 +26,8 @@ fn counts_extent_and_joints() {
 #[test]
 fn what_is_odd_is_said_with_its_line() {
     let text = "G0 X0 Y0\nG1 X0.0001\nG06.2 P3 K0 X0.0001 R1\nK0 X5 R500\nK0 X5\nK0.0000001 X9\nK1\nK1\nK1\n";
-    let seen = inspect(&read_part("p.nc", text).unwrap());
+    let part = read_part("p.nc", text).unwrap();
+    let seen = inspect(&part);
     let said: Vec<_> = seen.remarks.iter().map(|r| (r.line, r.oddity)).collect();
     let expected = [
         (2, Oddity::NoFeedrate),
@@ -42,7 +45,8 @@ fn what_is_odd_is_said_with_its_line() {
 /// Against closed forms: two straight moves of 10 mm and 5 mm, half a circle of radius 4, and a rapid move of 6 mm.
 #[test]
 fn lengths_and_bends() {
-    let seen = inspect(&read_part("p.nc", "G0 X0 Y0 F60\nG1 X10\nX10 Y5\nG3 Y13 J4\nG0 Y19\n").unwrap());
+    let part = read_part("p.nc", "G0 X0 Y0 F60\nG1 X10\nX10 Y5\nG3 Y13 J4\nG0 Y19\n").unwrap();
+    let seen = inspect(&part);
     assert!((seen.length_mm - (15.0 + 4.0 * PI)).abs() < 1e-9, "{}", seen.length_mm);
     assert_eq!((seen.rapid_length_mm, seen.bends.len()), (6.0, 1));
     let bend = seen.sharpest().unwrap();

@@ -49,7 +49,11 @@ fn faults_are_named_by_place() {
         (toml("knots = [0,", "knots = [-1,"), "p.toml:8:", "not clamped"),
         (toml("knots =", "# knots ="), "p.toml:4:", "`knots` is missing"),
         (toml("period_ms = 3.0", "period_ms = 0.0"), "p.toml:11:", "`interpolation_period_ms` is 0"),
-        (toml("feedrate_mm_per_s = 200.0", "feedrate_mm_per_s = -200.0"), "p.toml:12:", "above 0"),
+        (
+            toml("feedrate_mm_per_s = 200.0", "feedrate_mm_per_s = -200.0"),
+            "p.toml:12:",
+            "a number of 1e-6 to 1e5 mm/s",
+        ),
         (toml("jerk_mm_per_s3 = 400000.0", "jerk_mm_per_s3 = nan"), "p.toml:14:", "`jerk_mm_per_s3` is NaN"),
         (toml("fluctuation_limit = 1e-6", "fluctuation_limit = 2.0"), "p.toml:16:", "above 0 and below 1"),
         (toml("max_iterations = 5", "max_iterations = 0"), "p.toml:18:", "of 1 to 1000"),

@@ -9,9 +9,10 @@
 
 use std::fmt;
 
+use domains::{Key, servo};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{positive, within};
+use crate::error::{in_domain, positive, within};
 use crate::{Notch, SampledLoop, ServoError, velocity_gain_of_load_inertia};
 
 /// Parameters of one axis, in the units of the servo file. A parameter that the file leaves out is zero, unless stated
@@ -176,7 +177,6 @@ impl ServoParameters {
 
     fn check_load_inertia(&self) -> Result<(), ServoError> {
         let Some(load_inertia_256ths) = self.load_inertia_256ths else { return Ok(()) };
-        within("load_inertia_256ths", load_inertia_256ths, 0.0, 1e6)?;
         if self.velocity_gain_percent == velocity_gain_of_load_inertia(load_inertia_256ths) {
             return Ok(());
         }
@@ -190,15 +190,20 @@ impl ServoParameters {
         Self { velocity_gain_percent, load_inertia_256ths: None, ..self }
     }
 
-    /// Refuses a vibration filter that is too fast for the position loop, or has only one of its two values.
+    /// Refuses a vibration filter that is too fast for the position loop.
     fn check_vibration_filter(&self, sub_step_s: f64) -> Result<(), ServoError> {
         let most = 0.25 / sub_step_s;
+        within(servo::FILTER_CENTRE.name, self.vibration_filter_hz, 0.0, most)?;
+        within(servo::FILTER_WIDTH.name, self.vibration_filter_bandwidth_hz, 0.0, most)?;
+        Ok(())
+    }
+
+    /// Refuses a vibration filter that has only one of its two values.
+    fn check_both_of_filter(&self) -> Result<(), ServoError> {
         let [centre, width] = [self.vibration_filter_hz, self.vibration_filter_bandwidth_hz];
-        within("vibration_filter_hz", centre, 0.0, most)?;
-        within("vibration_filter_bandwidth_hz", width, 0.0, most)?;
         match (centre > 0.0, width > 0.0) {
-            (true, false) => positive("vibration_filter_bandwidth_hz", width).map(drop),
-            (false, true) => positive("vibration_filter_hz", centre).map(drop),
+            (true, false) => positive(servo::FILTER_WIDTH.name, width).map(drop),
+            (false, true) => positive(servo::FILTER_CENTRE.name, centre).map(drop),
             _ => Ok(()),
         }
     }
@@ -219,32 +224,10 @@ impl ServoParameters {
     }
 
     fn check_values(&self) -> Result<(), ServoError> {
-        /// No key has a meaningful value beyond this; squares of such numbers are still far from overflow.
-        const HUGE: f64 = 1e12;
-        let parameters = *self;
-        within("position_gain_per_s", positive("position_gain_per_s", self.position_gain_per_s)?, 0.0, HUGE)?;
-        within("velocity_lag_ms", positive("velocity_lag_ms", self.velocity_lag_ms)?, 1e-9, HUGE)?;
-        within("feed_forward", self.feed_forward, 0.0, 1.5)?;
-        within("acceleration_feed_forward", self.acceleration_feed_forward, 0.0, 1.5)?;
-        self.check_load_inertia()?;
-        positive("velocity_gain_percent", self.velocity_gain_percent)?;
-        positive("velocity_gain_limit_percent", self.velocity_gain_limit_percent)?;
-        for (key, value) in [
-            ("friction_mm_per_s2", parameters.friction_mm_per_s2),
-            ("backlash_mm", parameters.backlash_mm),
-            ("backlash_compensation_mm", parameters.backlash_compensation_mm),
-            ("backlash_acceleration_mm_per_s2", parameters.backlash_acceleration_mm_per_s2),
-            ("backlash_acceleration_ms", parameters.backlash_acceleration_ms),
-            ("encoder_resolution_mm", parameters.encoder_resolution_mm),
-        ] {
-            within(key, value, 0.0, HUGE)?;
+        for (key, value) in self.values() {
+            in_domain(key, value)?;
         }
-        within("command_filter_ms", self.command_filter_ms, 0.0, 1e4)?;
-        within("feed_ramp_ms", self.feed_ramp_ms, 0.0, 1e4)?;
-        self.check_vibration_filter(0.25 / HUGE)?;
-        within("sub_steps", f64::from(self.sub_steps), 1.0, 10_000.0)?;
-        let least = if self.current_lag_ms > 0.0 { 1e-9 } else { 0.0 };
-        within("current_lag_ms", self.current_lag_ms, least, HUGE)?;
+        self.check_load_inertia()?;
         let velocity_lag_ms = self.lag_s() * 1000.0;
         if self.current_lag_ms > velocity_lag_ms {
             let current_lag_ms = self.current_lag_ms;
@@ -256,16 +239,40 @@ impl ServoParameters {
                 limit_percent: self.velocity_gain_limit_percent,
             });
         }
-        if let Some(limit) = self.acceleration_limit_mm_per_s2 {
-            positive("acceleration_limit_mm_per_s2", limit)?;
-            if self.friction_mm_per_s2 >= limit {
-                return Err(ServoError::CannotMove {
-                    friction_mm_per_s2: self.friction_mm_per_s2,
-                    acceleration_limit_mm_per_s2: limit,
-                });
-            }
+        match self.acceleration_limit_mm_per_s2 {
+            Some(limit) if self.friction_mm_per_s2 >= limit => Err(ServoError::CannotMove {
+                friction_mm_per_s2: self.friction_mm_per_s2,
+                acceleration_limit_mm_per_s2: limit,
+            }),
+            _ => self.check_both_of_filter(),
         }
-        Ok(())
+    }
+
+    /// Each key that is given, with its value.
+    fn values(&self) -> impl Iterator<Item = (&'static Key, f64)> + use<> {
+        let always = [
+            (&servo::POSITION_GAIN, self.position_gain_per_s),
+            (&servo::VELOCITY_LAG, self.velocity_lag_ms),
+            (&servo::CURRENT_LAG, self.current_lag_ms),
+            (&servo::FEED_FORWARD, self.feed_forward),
+            (&servo::ACCELERATION_FEED_FORWARD, self.acceleration_feed_forward),
+            (&servo::VELOCITY_GAIN, self.velocity_gain_percent),
+            (&servo::VELOCITY_GAIN_LIMIT, self.velocity_gain_limit_percent),
+            (&servo::FRICTION, self.friction_mm_per_s2),
+            (&servo::BACKLASH, self.backlash_mm),
+            (&servo::BACKLASH_COMPENSATION, self.backlash_compensation_mm),
+            (&servo::BACKLASH_ACCELERATION, self.backlash_acceleration_mm_per_s2),
+            (&servo::BACKLASH_ACCELERATION_TIME, self.backlash_acceleration_ms),
+            (&servo::ENCODER, self.encoder_resolution_mm),
+            (&servo::COMMAND_FILTER, self.command_filter_ms),
+            (&servo::FEED_RAMP, self.feed_ramp_ms),
+            (&servo::FILTER_CENTRE, self.vibration_filter_hz),
+            (&servo::FILTER_WIDTH, self.vibration_filter_bandwidth_hz),
+            (&servo::SUB_STEPS, f64::from(self.sub_steps)),
+        ];
+        let inertia = self.load_inertia_256ths.map(|inertia| (&servo::LOAD_INERTIA, inertia));
+        let limit = self.acceleration_limit_mm_per_s2.map(|limit| (&servo::ACCELERATION_LIMIT, limit));
+        inertia.into_iter().chain(always).chain(limit)
     }
 
     /// The lag of the velocity loop at its gain, τ/g, in s.
@@ -371,22 +378,22 @@ mod tests {
     #[test]
     fn a_value_that_breaks_a_rule_is_named() {
         for (line, expected) in [
-            ("feed_forward = 98", "feed_forward = 98: expected a number from 0 to 1.5"),
-            ("feed_forward = nan", "feed_forward = NaN: expected a number from 0 to 1.5"),
-            ("backlash_mm = -1e-3", "backlash_mm = -0.001: expected a number from 0 to 1000000000000"),
-            ("feed_ramp_ms = -24", "feed_ramp_ms = -24: expected a number from 0 to 10000"),
+            ("feed_forward = 98", "feed_forward = 98: expected a number of 0 to 1.5"),
+            ("feed_forward = nan", "feed_forward = NaN: expected a number of 0 to 1.5"),
+            ("backlash_mm = -1e-3", "backlash_mm = -0.001: expected a number of 0 to 100 mm"),
+            ("feed_ramp_ms = -24", "feed_ramp_ms = -24: expected a number of 0 to 10000 ms"),
             ("vibration_filter_hz = 200", "vibration_filter_bandwidth_hz = 0: expected a positive number"),
             ("vibration_filter_bandwidth_hz = 60", "vibration_filter_hz = 0: expected a positive number"),
-            ("vibration_filter_hz = nan", "vibration_filter_hz = NaN: expected a number from 0 to"),
-            ("current_lag_ms = -0.1", "current_lag_ms = -0.1: expected a number from 0 to"),
+            ("vibration_filter_hz = nan", "vibration_filter_hz = NaN: expected a number of 0 to 1e6 Hz"),
+            ("current_lag_ms = -0.1", "current_lag_ms = -0.1: expected 0, or a number of 1e-6 to 10000 ms"),
             (
                 "current_lag_ms = 1.5",
                 "line 4: current_lag_ms = 1.5: expected at most 1, the lag of the velocity loop",
             ),
-            ("sub_steps = 0", "sub_steps = 0: expected a number from 1 to 10000"),
+            ("sub_steps = 0", "sub_steps = 0: expected a whole number of 1 to 10000"),
             (
                 "acceleration_limit_mm_per_s2 = 0",
-                "acceleration_limit_mm_per_s2 = 0: expected a positive number",
+                "acceleration_limit_mm_per_s2 = 0: expected a number of 0.001 to 1e8 mm/s²",
             ),
             ("velocity_gain_percent = 450", "oscillates from velocity_gain_limit_percent = 429 on"),
             ("friction_mm_per_s2 = 9\nacceleration_limit_mm_per_s2 = 9", "the axis cannot move"),
@@ -410,7 +417,7 @@ mod tests {
             ),
             (
                 "servo = { position_gain_per_s = 0, velocity_lag_ms = 1 }".to_string(),
-                "position_gain_per_s = 0: expected a positive number",
+                "position_gain_per_s = 0: expected a number of 0.001 to 1e6 1/s",
             ),
         ] {
             assert!(message(&text).starts_with(expected), "{text}: {}", message(&text));
@@ -457,10 +464,7 @@ mod tests {
                 "line 5: load_inertia_256ths = 512: it sets velocity_gain_percent to 300, and 100 is given; expected one of \
                  the two keys",
             ),
-            (
-                "load_inertia_256ths = -1",
-                "line 4: load_inertia_256ths = -1: expected a number from 0 to 1000000",
-            ),
+            ("load_inertia_256ths = -1", "line 4: load_inertia_256ths = -1: expected a number of 0 to 1e6"),
             ("load_inertia_256ths = 1000", "velocity_gain_percent = 490.625: the velocity loop oscillates"),
         ] {
             let said = message(&format!("{MINIMAL}{lines}"));

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use domains::{Key, shown};
 use real::FormatName;
 
 use crate::load_inertia::velocity_gain_of_load_inertia;
@@ -14,6 +15,13 @@ pub enum ServoError {
     NotPositive {
         /// Name of the argument or key.
         key: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// The value of a key is outside of its domain, or not a number.
+    OutsideDomain {
+        /// The key.
+        key: &'static Key,
         /// The value given.
         value: f64,
     },
@@ -135,6 +143,7 @@ impl ServoError {
     #[must_use]
     pub fn key(&self) -> Option<&'static str> {
         match self {
+            Self::OutsideDomain { key, .. } => Some(key.name),
             Self::NotPositive { key, .. } | Self::OutOfRange { key, .. } => Some(key),
             Self::VelocityLoopOscillates { .. } => Some("velocity_gain_percent"),
             Self::GainAgainstInertia { .. } => Some("load_inertia_256ths"),
@@ -151,8 +160,14 @@ impl ServoError {
 impl fmt::Display for ServoError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::NotPositive { key, value } => write!(f, "{key} = {value}: expected a positive number"),
+            Self::NotPositive { key, value } => {
+                write!(f, "{key} = {}: expected a positive number", shown(value))
+            }
+            Self::OutsideDomain { key, value } => {
+                write!(f, "{} = {}: expected {}", key.name, shown(value), key.expected())
+            }
             Self::OutOfRange { key, value, least, most } => {
+                let [value, least, most] = [value, least, most].map(shown);
                 write!(f, "{key} = {value}: expected a number from {least} to {most}")
             }
             Self::VelocityLoopOscillates { velocity_gain_percent, limit_percent } => write!(
@@ -228,6 +243,11 @@ impl std::error::Error for ServoError {}
 /// Refuses a value that is not positive and finite.
 pub(crate) fn positive(key: &'static str, value: f64) -> Result<f64, ServoError> {
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err(ServoError::NotPositive { key, value }) }
+}
+
+/// Refuses a value that is not in the domain of its key.
+pub(crate) fn in_domain(key: &'static Key, value: f64) -> Result<(), ServoError> {
+    if key.holds(value) { Ok(()) } else { Err(ServoError::OutsideDomain { key, value }) }
 }
 
 /// Refuses a value that is not in `least ..= most`.

@@ -23,15 +23,9 @@ impl ErrorSize {
     /// A mean that includes the standstill would depend on the length of the standstill, and so on the loop that
     /// settles.
     pub fn of_motion(values: impl IntoIterator<Item = f64>, count: usize) -> Self {
-        let (mut max, mut sum, mut counted) = (0.0_f64, 0.0, 0.0);
-        for (index, value) in values.into_iter().enumerate() {
-            max = max.max(value.abs());
-            if index < count {
-                sum += value * value;
-                counted += 1.0;
-            }
-        }
-        Self { max, rms: if counted > 0.0 { f64::sqrt(sum / counted) } else { 0.0 } }
+        let mut tally = ErrorTally::default();
+        values.into_iter().enumerate().for_each(|(index, value)| tally.add(value, index < count));
+        tally.size()
     }
 
     /// The size over several motions, from the size and the number of values of each.
@@ -43,6 +37,31 @@ impl ErrorSize {
             counted += count as f64;
         }
         Self { max, rms: if counted > 0.0 { f64::sqrt(sum / counted) } else { 0.0 } }
+    }
+}
+
+/// The size of errors that come one after the other.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ErrorTally {
+    max: f64,
+    sum: f64,
+    counted: f64,
+}
+
+impl ErrorTally {
+    /// Adds an error; in the mean it counts only if it is one of the motion.
+    pub(crate) fn add(&mut self, error: f64, is_of_motion: bool) {
+        self.max = self.max.max(error.abs());
+        if is_of_motion {
+            self.sum += error * error;
+            self.counted += 1.0;
+        }
+    }
+
+    /// The size of all of them.
+    pub(crate) fn size(&self) -> ErrorSize {
+        let rms = if self.counted > 0.0 { f64::sqrt(self.sum / self.counted) } else { 0.0 };
+        ErrorSize { max: self.max, rms }
     }
 }
 

@@ -99,7 +99,7 @@ pub use paper_table::{
 };
 pub use response::{continuous_gain, moving_average_gain, radius_change, sampled_gain};
 pub use roundness_plot::roundness_plot;
-pub use servo::{Sample, Servo, Trace};
+pub use servo::{Followed, Sample, Servo, Trace};
 pub use stability::SampledLoop;
 pub use tuning::{FEED_FORWARDS, LeftOut, Tuning, TuningRow, VELOCITY_GAINS_PERCENT, tuning_table};
 pub use vibration_filter::{FilterState, Notch, VibrationFilter};

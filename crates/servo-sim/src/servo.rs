@@ -6,6 +6,7 @@ use real::Backend;
 use crate::axis::{Axis, AxisState};
 use crate::command_filter::CommandFilter;
 use crate::contour_error::distance;
+use crate::error_size::ErrorTally;
 use crate::{Arrival, ContourTracker, ErrorSize, ServoError, ServoParameters};
 
 /// A machine of `D` axes, whose command filters and control laws run in the number format `R`.
@@ -44,6 +45,19 @@ pub struct Trace<const D: usize> {
     pub motion_samples: usize,
     /// The largest distance from the last setpoint that the loops may keep at rest, in mm, for all axes together.
     pub standstill_error: f64,
+}
+
+/// The figures of a simulated path whose samples are not kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Followed<const D: usize> {
+    /// See [`Trace::following_error`].
+    pub following_error: [ErrorSize; D],
+    /// See [`Trace::contour_error`].
+    pub contour_error: ErrorSize,
+    /// See [`Trace::arrival`].
+    pub arrival: Arrival,
+    /// See [`Trace::motion_samples`].
+    pub motion_samples: usize,
 }
 
 impl<R: Backend, const D: usize> Servo<R, D> {
@@ -101,33 +115,82 @@ impl<R: Backend, const D: usize> Servo<R, D> {
         Ok(())
     }
 
-    /// Runs all `setpoints` (mm), then holds the last one until filters and loops have settled.
+    /// Runs all `setpoints` (mm), then holds the last one until filters and loops have settled, and keeps every sample.
     ///
     /// # Errors
     /// [`ServoError::PositionNotInFormat`].
     pub fn run(mut self, setpoints: impl IntoIterator<Item = [f64; D]>) -> Result<Trace<D>, ServoError> {
-        let mut samples = Vec::new();
-        let mut last = None;
-        for setpoint in setpoints {
-            self.step(setpoint, &mut samples)?;
-            last = Some(setpoint);
-        }
-        let motion_samples = samples.len();
-        if let Some(setpoint) = last {
-            for _ in 0..self.settling_periods() {
-                self.step(setpoint, &mut samples)?;
-            }
-        }
+        let (mut samples, mut motion_samples) = (Vec::new(), 0);
+        self.each_sample(setpoints, |sample, is_motion| {
+            samples.push(*sample);
+            motion_samples += usize::from(is_motion);
+        })?;
         Ok(Trace {
-            sub_step: self.units.first().map_or(0.0, |unit| unit.axis.sub_step()),
+            sub_step: self.sub_step(),
             samples,
             motion_samples,
-            standstill_error: self
-                .units
-                .iter()
-                .map(|unit| unit.axis.standstill_error(&unit.state))
-                .fold(0.0, f64::hypot),
+            standstill_error: self.standstill_error(),
         })
+    }
+
+    /// Runs all `setpoints` (mm) of a path that consists of `curves` as [`run`](Self::run) does, and keeps no sample: a path
+    /// of an hour has thirty million.
+    ///
+    /// # Errors
+    /// [`ServoError::PositionNotInFormat`], [`ServoError::PathEmpty`].
+    pub fn follow<C: Differentiate<f64, D>>(
+        mut self,
+        setpoints: impl IntoIterator<Item = [f64; D]>,
+        curves: &[C],
+    ) -> Result<Followed<D>, ServoError> {
+        let mut tracker = ContourTracker::try_new(curves)?;
+        let (mut following, mut contour, mut motion_samples) =
+            ([ErrorTally::default(); D], ErrorTally::default(), 0);
+        let mut arriving = Arriving::default();
+        self.each_sample(setpoints, |sample, is_motion| {
+            for (d, tally) in following.iter_mut().enumerate() {
+                tally.add(sample.command[d] - sample.table[d], is_motion);
+            }
+            contour.add(tracker.follow(sample.table).distance, is_motion);
+            arriving.add(sample);
+            motion_samples += usize::from(is_motion);
+        })?;
+        Ok(Followed {
+            following_error: following.map(|tally| tally.size()),
+            contour_error: contour.size(),
+            arrival: arriving.arrival(self.standstill_error()),
+            motion_samples,
+        })
+    }
+
+    /// Runs the setpoints and then settles. Each sample is passed on, with whether it is one of the motion.
+    fn each_sample(
+        &mut self,
+        setpoints: impl IntoIterator<Item = [f64; D]>,
+        mut take: impl FnMut(&Sample<D>, bool),
+    ) -> Result<(), ServoError> {
+        let (mut samples, mut last) = (Vec::new(), None);
+        for setpoint in setpoints {
+            self.step(setpoint, &mut samples)?;
+            samples.drain(..).for_each(|sample| take(&sample, true));
+            last = Some(setpoint);
+        }
+        let Some(setpoint) = last else { return Ok(()) };
+        for _ in 0..self.settling_periods() {
+            self.step(setpoint, &mut samples)?;
+            samples.drain(..).for_each(|sample| take(&sample, false));
+        }
+        Ok(())
+    }
+
+    /// Time between two samples, in s.
+    fn sub_step(&self) -> f64 {
+        self.units.first().map_or(0.0, |unit| unit.axis.sub_step())
+    }
+
+    /// The largest distance from the last setpoint that the loops may keep at rest, in mm, for all axes together.
+    fn standstill_error(&self) -> f64 {
+        self.units.iter().map(|unit| unit.axis.standstill_error(&unit.state)).fold(0.0, f64::hypot)
     }
 
     /// Number of periods after which an old setpoint's effect has fallen to 2e-9 of itself, on the slowest axis; at
@@ -171,18 +234,35 @@ impl<const D: usize> Trace<D> {
     /// Where the run took the table; all values are zero for a run without setpoints.
     #[must_use]
     pub fn arrival(&self) -> Arrival {
-        let [Some(first), Some(last)] = [self.samples.first(), self.samples.last()] else {
-            return Arrival::default();
-        };
-        let reach = |place: fn(&Sample<D>) -> &[f64; D]| {
-            self.samples.iter().map(|sample| distance(place(sample), &first.table)).fold(0.0, f64::max)
-        };
-        Arrival {
-            end_error_mm: distance(&last.command, &last.table),
-            standstill_error_mm: self.standstill_error,
-            reach_mm: reach(|sample| &sample.command),
-            table_reach_mm: reach(|sample| &sample.table),
-        }
+        let mut arriving = Arriving::default();
+        self.samples.iter().for_each(|sample| arriving.add(sample));
+        arriving.arrival(self.standstill_error)
+    }
+}
+
+/// Where a run has taken the table so far.
+struct Arriving<const D: usize> {
+    first: Option<[f64; D]>,
+    arrival: Arrival,
+}
+
+impl<const D: usize> Default for Arriving<D> {
+    fn default() -> Self {
+        Self { first: None, arrival: Arrival::default() }
+    }
+}
+
+impl<const D: usize> Arriving<D> {
+    fn add(&mut self, sample: &Sample<D>) {
+        let (first, arrival) = (self.first.get_or_insert(sample.table), &mut self.arrival);
+        arrival.end_error_mm = distance(&sample.command, &sample.table);
+        arrival.reach_mm = arrival.reach_mm.max(distance(&sample.command, first));
+        arrival.table_reach_mm = arrival.table_reach_mm.max(distance(&sample.table, first));
+    }
+
+    /// All values are zero for a run without setpoints.
+    fn arrival(&self, standstill_error_mm: f64) -> Arrival {
+        self.first.map_or_else(Arrival::default, |_| Arrival { standstill_error_mm, ..self.arrival })
     }
 }
 
@@ -203,6 +283,25 @@ mod tests {
     fn run(parameters: ServoParameters, periods: u32) -> Trace<2> {
         let servo = Servo::<f64, 2>::try_new(&[parameters; 2], T, [10.0, 0.0]).unwrap();
         servo.run(circle(10.0, 200.0 / 3.0, periods)).unwrap()
+    }
+
+    #[test]
+    fn a_run_without_samples_has_the_figures_of_one_with_them() {
+        let parameters =
+            ServoParameters { backlash_mm: 0.01, command_filter_ms: 5.0, ..ServoParameters::new(30.0, 0.39) };
+        let points = vec![[10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+        let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let arc = nurbs_core::NurbsBuf::try_new(2, points, vec![1.0, 0.5_f64.sqrt(), 1.0], knots).unwrap();
+        let servo = || Servo::<f64, 2>::try_new(&[parameters; 2], T, [10.0, 0.0]).unwrap();
+        let setpoints = || circle(10.0, 200.0 / 3.0, 200);
+        let (trace, curves) = (servo().run(setpoints()).unwrap(), [arc.as_curve()]);
+        let followed = Followed {
+            following_error: trace.following_error(),
+            contour_error: trace.contour_error(&curves).unwrap(),
+            arrival: trace.arrival(),
+            motion_samples: trace.motion_samples,
+        };
+        assert_eq!(servo().follow(setpoints(), &curves).unwrap(), followed);
     }
 
     #[test]

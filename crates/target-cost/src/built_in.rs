@@ -87,7 +87,31 @@ mod tests {
             ("numbers = \"fixed\"", "numbers = \"Q15\"", "Q15"),
             ("unit = \"divider\"", "unit = \"devider\"", "devider"),
             ("title =", "titel =", "titel"),
-            ("low = 1,", "low = 100,", "low <= typical"),
+            (
+                "low = 1,",
+                "low = 100,",
+                "my.toml:21: operation 1: cycles = { low = 100, typical = 1, high = 2 }: expected low <= typical",
+            ),
+            (
+                "low = 1,",
+                "low = -1,",
+                "my.toml:21: operation 1: cycles = -1: expected a number of 0 to 1e9 cycles",
+            ),
+            (
+                "mhz = 200",
+                "mhz = 1e300",
+                "my.toml:6: clock 1: mhz = 1e300: expected a number of 0.001 to 1e6 MHz",
+            ),
+            (
+                "count = 1",
+                "count = 65537",
+                "my.toml:10: unit 1: count = 65537: expected a whole number of 1 to 65536",
+            ),
+            (
+                "dsp_blocks = 1",
+                "dsp_blocks = 4000000000",
+                "dsp_blocks = 4000000000: expected a whole number of 0 to 1024",
+            ),
         ] {
             let bad = good.replacen(from, to, 1);
             assert_ne!(bad, good, "{from}");

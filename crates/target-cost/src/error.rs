@@ -17,12 +17,14 @@ pub enum TargetError {
     Value {
         /// The file.
         file: String,
-        /// The key.
+        /// The line of the key, from 1; `None` for a key that is left out.
+        line: Option<usize>,
+        /// The key, with the number of its table.
         key: String,
         /// Its value.
         value: String,
         /// The rule.
-        expected: &'static str,
+        expected: String,
     },
     /// The file has `calibrated = true`, but nothing was counted for a target of this name.
     NotCalibrated {
@@ -37,8 +39,9 @@ impl fmt::Display for TargetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Toml { file, error } => write!(f, "{file}: {error}"),
-            Self::Value { file, key, value, expected } => {
-                write!(f, "{file}: {key} = {value}: expected {expected}")
+            Self::Value { file, line, key, value, expected } => {
+                let line = line.map_or_else(String::new, |line| format!(":{line}"));
+                write!(f, "{file}{line}: {key} = {value}: expected {expected}")
             }
             Self::NotCalibrated { file, name } => {
                 write!(

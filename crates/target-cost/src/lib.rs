@@ -33,6 +33,7 @@ mod calibration;
 mod cycles;
 mod error;
 mod period_bound;
+mod place;
 mod schedule;
 mod target;
 mod target_file;

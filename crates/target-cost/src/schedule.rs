@@ -74,7 +74,7 @@ impl StepCost {
         let mut blocks = vec![0; target.unit.len()];
         for price in todo.iter().map(|item| item.price) {
             if let Some(unit) = price.unit {
-                blocks[unit] = blocks[unit].max(price.dsp_blocks * target.unit[unit].count);
+                blocks[unit] = blocks[unit].max(price.dsp_blocks.saturating_mul(target.unit[unit].count));
             }
         }
         Ok(Self {
@@ -82,7 +82,7 @@ impl StepCost {
             critical_path: Cycles::each(|level| critical_path(&todo, level)),
             initiation_interval: Cycles::each(|level| initiation_interval(&todo, target, level)),
             work,
-            dsp_blocks: blocks.iter().sum(),
+            dsp_blocks: blocks.iter().fold(0, |sum: u32, blocks| sum.saturating_add(*blocks)),
             placed: place(&todo, target, Level::Typical),
         })
     }

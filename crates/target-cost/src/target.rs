@@ -1,10 +1,16 @@
 //! A target: its kind, its units, and the cost of each operation.
 
+use domains::shown;
+use domains::target::{
+    BUSY, CLOCK, CLOCK_BITS, DSP_BLOCKS, ISSUE_PER_CYCLE, NAME, PER_BIT, PER_FRACTION_BIT, ROW_BITS,
+    ROW_CYCLES, TITLE, UNITS,
+};
 use real::{FormatName, Overflow, Rounding};
 use serde::{Deserialize, Serialize};
 
 use crate::cycles::Cycles;
 use crate::error::TargetError;
+use crate::place::Place;
 use crate::task::Priced;
 
 /// A processor or an FPGA.
@@ -163,60 +169,75 @@ pub struct Price {
 }
 
 impl Target {
-    /// Whether every value of a file is one that it may be.
-    pub(crate) fn validate(&self, file: &str) -> Result<(), TargetError> {
-        let wrong = |key: String, value: String, expected: &'static str| {
-            Err(TargetError::Value { file: file.to_string(), key, value, expected })
+    /// Whether every value of a file is one that it may be; `text` is the file's.
+    pub(crate) fn validate(&self, file: &str, text: &str) -> Result<(), TargetError> {
+        let wrong = |place: Place, value: String, expected: String| {
+            let (key, line) = (place.to_string(), place.line_in(text));
+            Err(TargetError::Value { file: file.to_string(), line, key, value, expected })
         };
-        for (key, value) in [("name", &self.name), ("title", &self.title)] {
+        for (key, value) in [(NAME, &self.name), (TITLE, &self.title)] {
             if value.trim().is_empty() {
-                return wrong(key.to_string(), format!("{value:?}"), "a name");
+                return wrong(Place::of(&key), format!("{value:?}"), "a name".into());
             }
         }
-        if self.issue_per_cycle == Some(0) {
-            return wrong("issue_per_cycle".to_string(), "0".to_string(), "at least 1");
-        }
-        for clock in &self.clock {
-            if !(clock.mhz > 0.0 && clock.mhz.is_finite()) {
-                return wrong("clock.mhz".to_string(), clock.mhz.to_string(), "a positive number");
+        for (place, value) in self.numbers() {
+            if !place.key.holds(value) {
+                let expected = place.key.expected();
+                return wrong(place, shown(value), expected);
             }
         }
-        for unit in &self.unit {
-            if unit.count == 0 {
-                return wrong(format!("unit {}: count", unit.name), "0".to_string(), "at least 1");
-            }
-        }
-        for row in &self.operation {
-            let key = |what: &str| format!("operation {} for {}: {what}", row.name.name(), row.numbers);
+        for (index, row) in self.operation.iter().enumerate() {
+            let at = |key: &'static str| Place::in_table(&ROW_CYCLES, index).field(key);
             if row.numbers != "fixed" && FormatName::named(&row.numbers).is_none() {
-                return wrong(
-                    key("numbers"),
-                    row.numbers.clone(),
-                    "`fixed` or a format such as f32 or I4F28",
-                );
+                let expected = "`fixed` or a format such as f32 or I4F28".into();
+                return wrong(at("numbers"), row.numbers.clone(), expected);
             }
             if let Known::Cycles(Cycles { low, typical, high }) = row.cycles
-                && !(0.0 <= low && low <= typical && typical <= high && high.is_finite())
+                && !(low <= typical && typical <= high)
             {
+                let [low, typical, high] = [low, typical, high].map(shown);
                 let value = format!("{{ low = {low}, typical = {typical}, high = {high} }}");
-                return wrong(key("cycles"), value, "0 <= low <= typical <= high");
-            }
-            for (what, value) in [
-                ("per_bit", row.per_bit),
-                ("per_fraction_bit", row.per_fraction_bit),
-                ("busy", row.busy.unwrap_or(0.0)),
-            ] {
-                if !(value >= 0.0 && value.is_finite()) {
-                    return wrong(key(what), value.to_string(), "a number of at least 0");
-                }
+                return wrong(at("cycles"), value, "low <= typical <= high".into());
             }
             if let Some(name) = &row.unit
                 && !self.unit.iter().any(|unit| unit.name == *name)
             {
-                return wrong(key("unit"), format!("{name:?}"), "a unit of the list `unit`");
+                return wrong(at("unit"), format!("{name:?}"), "a unit of the list `unit`".into());
             }
         }
         Ok(())
+    }
+
+    /// Every number, with its place.
+    fn numbers(&self) -> impl Iterator<Item = (Place, f64)> {
+        let issue = self.issue_per_cycle.map(|width| (Place::of(&ISSUE_PER_CYCLE), f64::from(width)));
+        let clocks = self.clock.iter().enumerate().flat_map(|(index, clock)| {
+            let bits = clock.max_bits.map(|bits| (Place::in_table(&CLOCK_BITS, index), f64::from(bits)));
+            [(Place::in_table(&CLOCK, index), clock.mhz)].into_iter().chain(bits)
+        });
+        let units = self.unit.iter().enumerate();
+        let units = units.map(|(index, unit)| (Place::in_table(&UNITS, index), f64::from(unit.count)));
+        let rows = self.operation.iter().enumerate().flat_map(|(index, row)| {
+            let place = |key| Place::in_table(key, index);
+            let cycles = match row.cycles {
+                Known::Cycles(cycles) => [cycles.low, cycles.typical, cycles.high],
+                Known::Not(Unknown::Unknown) => [0.0; 3],
+            };
+            let bits = row.max_bits.map(|bits| (place(&ROW_BITS), f64::from(bits)));
+            let busy = row.busy.map(|busy| (place(&BUSY), busy));
+            let always = [
+                (place(&PER_BIT), row.per_bit),
+                (place(&PER_FRACTION_BIT), row.per_fraction_bit),
+                (place(&DSP_BLOCKS), f64::from(row.dsp_blocks)),
+            ];
+            cycles
+                .map(|cycles| (place(&ROW_CYCLES), cycles))
+                .into_iter()
+                .chain(always)
+                .chain(bits)
+                .chain(busy)
+        });
+        issue.into_iter().chain(clocks).chain(units).chain(rows)
     }
 
     /// This target with `count` units of this name, at least one.

@@ -12,7 +12,7 @@ impl Target {
     pub fn read(file: &str, text: &str) -> Result<Self, TargetError> {
         let target: Self =
             toml::from_str(text).map_err(|error| TargetError::Toml { file: file.to_string(), error })?;
-        target.validate(file)?;
+        target.validate(file, text)?;
         if target.calibrated { Calibration::committed()?.complete(file, target) } else { Ok(target) }
     }
 }

@@ -43,13 +43,15 @@ mod call;
 mod frame;
 mod motion;
 
+use domains::machine::FEED;
+use domains::shown;
+
 use crate::arc::Plane;
 use crate::auxiliary::Auxiliary;
 use crate::canon::call::Call;
 use crate::canon::frame::Frame;
 use crate::diagnostic::Report;
 use crate::exact_stops::{ExactStops, PathMode};
-use crate::moves::MAX_FEEDRATE;
 use crate::options::ReadOptions;
 use crate::part::Part;
 use crate::source::Span;
@@ -340,14 +342,14 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         if feedrate < 0.0 {
             return self.malformed(call, "a feed of at least 0");
         }
-        if feedrate > MAX_FEEDRATE {
+        if feedrate > FEED.most() {
+            let feedrate = shown(feedrate.round());
             let message =
-                format!("{feedrate:.0} mm/s are as fast as any machine can: the machine's own feed is taken");
+                format!("{feedrate} mm/s are as fast as any machine can: the machine's own feed is taken");
             self.report.of_kind(false, call.span, "fast", message);
         }
         // The interpreter prints 0 if no feed is set.
-        self.feedrate_mm_per_s =
-            Some(feedrate).filter(|feedrate| *feedrate > 0.0 && *feedrate <= MAX_FEEDRATE);
+        self.feedrate_mm_per_s = Some(feedrate).filter(|feedrate| FEED.holds(*feedrate));
     }
 
     /// `SET_FEED_MODE(spindle, mode)`, or without a spindle in older versions.

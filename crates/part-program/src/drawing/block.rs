@@ -5,10 +5,10 @@ use super::item::Item;
 use crate::diagnostic::Report;
 use crate::source::Span;
 
-/// Curves, standstills and cells that inserts may draw.
-const MAX_INSERTED: usize = 1_000_000;
-/// Control points that inserts may draw.
-const MAX_INSERTED_POINTS: usize = 4_000_000;
+/// Curves, standstills and cells that inserts may draw, beyond one for each 40 bytes of the drawing: they must fit into memory.
+const MAX_INSERTED: usize = 150_000;
+/// Control points that inserts may draw, beyond one for each 16 bytes.
+const MAX_INSERTED_POINTS: usize = 400_000;
 
 /// The entities of a block.
 pub(crate) struct Block<'t> {
@@ -35,10 +35,11 @@ impl Inserted {
     pub(super) fn take(&mut self, points: usize, span: Span, report: &mut Report<'_>) -> bool {
         self.count += 1;
         self.points += points;
-        if !self.is_full && (self.count > MAX_INSERTED || self.points > MAX_INSERTED_POINTS) {
+        let text = report.source.text.len();
+        let (curves, most) = (MAX_INSERTED + text / 40, MAX_INSERTED_POINTS + text / 16);
+        if !self.is_full && (self.count > curves || self.points > most) {
             self.is_full = true;
-            let expected =
-                format!("at most {MAX_INSERTED} curves with {MAX_INSERTED_POINTS} control points in all");
+            let expected = format!("at most {curves} curves with {most} control points in all");
             report.error(span, "the blocks that are inserted hold too many curves").expected(expected);
         }
         !self.is_full

@@ -6,6 +6,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use domains::shown;
+
 use super::affine::{Affine, sin_cos, unit};
 use super::groups::Entity;
 use super::item::Item;
@@ -130,7 +132,7 @@ pub(crate) fn read_circle<'t>(entity: &Entity<'t>, report: &mut Report<'_>, item
         return;
     };
     if radius <= 0.0 {
-        report.error(entity.span, format!("the radius is {radius}")).expected("a radius above 0");
+        report.error(entity.span, format!("the radius is {}", shown(radius))).expected("a radius above 0");
         return;
     }
     let circle = Ellipse { centre, major: [radius, 0.0, 0.0], minor: [0.0, radius, 0.0] };
@@ -152,7 +154,8 @@ pub(crate) fn read_ellipse<'t>(entity: &Entity<'t>, report: &mut Report<'_>, ite
         return;
     }
     let Some(normal) = unit(plane.axes[2]).filter(|_| ratio > 0.0 && length(major) > 0.0) else {
-        let message = format!("the axes of this ELLIPSE are {} long and {ratio} of it", length(major));
+        let message =
+            format!("the axes of this ELLIPSE are {} long and {} of it", shown(length(major)), shown(ratio));
         report.error(entity.span, message).expected("axes with a length");
         return;
     };

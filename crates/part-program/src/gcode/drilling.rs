@@ -16,6 +16,9 @@
 //! # Source
 //! LinuxCNC, "Canned Cycles", and the moves that its `rs274` prints; FANUC Series 30i, B-63944EN/03, section 13.1.
 
+use domains::shown;
+use domains::words::REPEATS;
+
 use crate::curve::MAX_COORDINATE_MM;
 use crate::gcode::block::Block;
 use crate::gcode::cycle::Cycle;
@@ -26,7 +29,7 @@ use crate::source::Span;
 
 /// How far G73 retracts, and how far above the bottom G83 begins to feed again, in mm: LinuxCNC's 0.010 inch.
 pub(crate) const CLEARANCE_MM: f64 = 0.254;
-/// Most steps of one hole, and most repetitions of one block: larger numbers are typing errors.
+/// Most steps of one hole: a larger number is a typing error.
 const MAX_STEPS: f64 = 10_000.0;
 
 /// The heights of one hole, in mm.
@@ -79,13 +82,17 @@ impl Reader<'_, '_, '_> {
             _ => block.take_letter(b'L').or_else(|| block.take_letter(b'K')),
         };
         let Some(word) = word else { return 1 };
-        if !(0.0..=MAX_STEPS).contains(&word.value) || word.value.fract() != 0.0 {
+        if !REPEATS.holds(word.value) {
             self.report
-                .error(word.span, format!("a cycle that is repeated {} times", word.value))
-                .expected("a whole number");
+                .error(word.span, format!("a cycle that is repeated {} times", shown(word.value)))
+                .expected(REPEATS.expected());
             return 0;
         }
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ..= MAX_STEPS")]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "within the domain of a u32"
+        )]
         let repeats = word.value as u32;
         repeats
     }

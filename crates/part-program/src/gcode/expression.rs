@@ -26,6 +26,8 @@
 
 use std::ops::Range;
 
+use domains::shown;
+
 use crate::diagnostic::Report;
 use crate::gcode::function::{function, is_function};
 use crate::gcode::operator::{EQUAL, Operator};
@@ -225,7 +227,7 @@ impl<'a> Parser<'a> {
         if (number - whole).abs() > EQUAL || !(0.0..=f64::from(HIGHEST)).contains(&whole) {
             return self.fault(
                 begin,
-                format!("there is no variable {number}"),
+                format!("there is no variable {}", shown(number)),
                 "a whole number of 0 to 99999",
             );
         }
@@ -274,8 +276,9 @@ impl<'a> Parser<'a> {
             }
             _ => {
                 let x = self.bracketed()?.unwrap_or(0.0);
-                function(&name, x, self.scope.dialect)
-                    .or_else(|expected| self.fault(begin, format!("{name} of {x} is no number"), expected))
+                function(&name, x, self.scope.dialect).or_else(|expected| {
+                    self.fault(begin, format!("{name} of {} is no number", shown(x)), expected)
+                })
             }
         }
     }

@@ -11,6 +11,8 @@
 //! # Source
 //! FANUC Series 15i, B-63324EN/03, section 4.17 for the alarms PS1002 to PS1009, whose names head the messages here.
 
+use domains::shown;
+
 use crate::curve::{Curve, CurveFault, MAX_DEGREE};
 use crate::diagnostic::Report;
 use crate::gcode::block::Block;
@@ -127,7 +129,7 @@ fn order(report: &mut Report<'_>, word: Word) -> Option<usize> {
     #[allow(clippy::cast_precision_loss, reason = "at most MAX_DEGREE + 1")]
     let order = (2..=MAX_DEGREE + 1).find(|order| *order as f64 == word.value);
     if order.is_none() {
-        let message = format!("order {} is not supported", word.value);
+        let message = format!("order {} is not supported", shown(word.value));
         report.error(word.span, message).expected(format!("P2 to P{}, degree + 1", MAX_DEGREE + 1));
     }
     order

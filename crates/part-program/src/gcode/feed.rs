@@ -1,10 +1,13 @@
 //! F words, and lengths that a control may read in another unit.
 
+use domains::machine::FEED;
+use domains::shown;
+
 use crate::gcode::block::Block;
 use crate::gcode::modal::{FeedMode, Motion};
 use crate::gcode::reader::Reader;
-use crate::moves::MAX_FEEDRATE;
 use crate::options::Dialect;
+use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
     /// Warns once of a length without a decimal point, which many controls of FANUC count in least increments.
@@ -45,7 +48,8 @@ impl Reader<'_, '_, '_> {
             }
         }
         if word.value <= 0.0 {
-            self.report.error(word.span, format!("the feed is {}", word.value)).expected("a feed above 0");
+            let message = format!("the feed is {}", shown(word.value));
+            self.report.error(word.span, message).expected("a feed above 0");
             return None;
         }
         match self.modal.feed_mode {
@@ -57,16 +61,36 @@ impl Reader<'_, '_, '_> {
             }
         }
         let feedrate = word.value * unit / 60.0;
-        if feedrate > MAX_FEEDRATE {
-            let text = self.report.source.slice(word.span);
-            let message = format!(
-                "`{text}` is {feedrate:.0} mm/s, as fast as any machine can: the machine's own feed is taken"
-            );
-            self.report.of_kind(false, word.span, "fast", message);
-            self.modal.feedrate_mm_per_s = None;
+        if feedrate < FEED.least() {
+            let message = format!("the feed is {} mm/s", shown(feedrate));
+            self.report.error(word.span, message).expected(FEED.to_string());
             return None;
         }
-        self.modal.feedrate_mm_per_s = Some(feedrate);
+        self.modal.feedrate_mm_per_s = self.within_feeds(feedrate, word.span);
         None
+    }
+
+    /// A feedrate in mm/s that a machine can have: above that, none, and the machine's own holds; below that, the least.
+    pub(crate) fn within_feeds(&mut self, feedrate: f64, span: Span) -> Option<f64> {
+        if feedrate > FEED.most() {
+            let text = self.report.source.slice(span);
+            let message = format!(
+                "`{text}` is {} mm/s, as fast as any machine can: the machine's own feed is taken",
+                if feedrate < 1e9 { format!("{feedrate:.0}") } else { shown(feedrate) }
+            );
+            self.report.of_kind(false, span, "fast", message);
+            return None;
+        }
+        // Not written as `<`, which would let NaN pass.
+        if !(feedrate >= FEED.least()) {
+            let message = format!(
+                "a feed of {} mm/s is slower than any machine: {} mm/s is taken",
+                shown(feedrate),
+                shown(FEED.least())
+            );
+            self.report.of_kind(false, span, "slow", message);
+            return Some(FEED.least());
+        }
+        Some(feedrate)
     }
 }

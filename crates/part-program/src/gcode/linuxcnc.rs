@@ -12,6 +12,8 @@
 //! # Source
 //! LinuxCNC's interpreter (`convert_nurbs`, `convert_spline`, `knot_vector_creator`), whose behaviour this follows.
 
+use domains::shown;
+
 use crate::arc::Plane;
 use crate::curve::{Curve, MAX_DEGREE};
 use crate::diagnostic::Report;
@@ -57,7 +59,7 @@ impl LinuxCncNurbs {
             match order {
                 Some(order) => self.order = order.max(LEAST_ORDER),
                 None => {
-                    let message = format!("order {} is not supported", word.value);
+                    let message = format!("order {} is not supported", shown(word.value));
                     report
                         .error(word.span, message)
                         .expected(format!("L3 to L{}, degree + 1", MAX_DEGREE + 1));

@@ -1,5 +1,8 @@
 //! Straight moves, arcs and helices of a part program.
 
+use domains::shown;
+use domains::words::TURNS;
+
 use crate::approach::Approach;
 use crate::arc::{ArcFault, ArcMove, Circle, Plane, TAKEN_MM};
 use crate::curve::{Curve, MAX_COORDINATE_MM};
@@ -11,9 +14,6 @@ use crate::gcode::word::{Key, Word};
 use crate::moves::{MoveKind, Shape};
 use crate::source::Span;
 use crate::vector::{difference, dot};
-
-/// Most turns of one arc; a larger number is a typing error.
-const MAX_TURNS: f64 = 10_000.0;
 
 impl Reader<'_, '_, '_> {
     pub(crate) fn straight(&mut self, block: &mut Block<'_>, inverse_feed: Option<f64>) {
@@ -224,13 +224,17 @@ impl Reader<'_, '_, '_> {
     /// P: the number of turns of an arc, the last of which ends at the arc's end.
     fn turns(&mut self, block: &mut Block<'_>) -> u32 {
         let Some(word) = block.take_letter(b'P') else { return 1 };
-        if !(1.0..=MAX_TURNS).contains(&word.value) || word.value.fract() != 0.0 {
+        if !TURNS.holds(word.value) {
             self.report
-                .error(word.span, format!("an arc of {} turns", word.value))
-                .expected(format!("P1 to P{MAX_TURNS}"));
+                .error(word.span, format!("an arc of {} turns", shown(word.value)))
+                .expected(TURNS.expected());
             return 1;
         }
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 ..= MAX_TURNS")]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "within the domain of a u32"
+        )]
         let turns = word.value as u32;
         turns
     }
@@ -257,7 +261,7 @@ impl Reader<'_, '_, '_> {
                 "equal distances of start and end from the centre",
             ),
             ArcFault::RadiusTooSmall { radius, chord } => (
-                format!("radius {radius} does not reach: start and end are {chord:.4} mm apart"),
+                format!("radius {} does not reach: start and end are {chord:.4} mm apart", shown(radius)),
                 "a radius of at least half that distance",
             ),
             ArcFault::FullCircleByRadius => {
@@ -273,7 +277,7 @@ impl Reader<'_, '_, '_> {
         match (self.modal.feed_mode, inverse_feed) {
             (FeedMode::PerMinute, _) => self.modal.feedrate_mm_per_s,
             (FeedMode::PerRevolution, _) => self.feedrate_of_spindle(self.modal.feed_mm_per_revolution, span),
-            (FeedMode::InverseTime, Some(per_minute)) => Some(length * per_minute / 60.0),
+            (FeedMode::InverseTime, Some(per_minute)) => self.within_feeds(length * per_minute / 60.0, span),
             (FeedMode::InverseTime, None) => {
                 self.report
                     .error(span, "a move in inverse time feed without F")
@@ -295,7 +299,7 @@ impl Reader<'_, '_, '_> {
                 )
                 .expected("S and F before it");
         }
-        feedrate
+        feedrate.and_then(|feedrate| self.within_feeds(feedrate, span))
     }
 
     /// G33: a straight move whose feed is K a revolution; G33.1 comes back the same way.

@@ -18,11 +18,11 @@ use crate::options::{Dialect, ReadOptions, Unit};
 use crate::part::Part;
 use crate::source::Span;
 
-/// Control points that a program may have beyond four for each of its bytes. The curves of its loops, cycles and arcs
-/// of many turns must fit into memory.
-const MAX_POINTS: usize = 8_000_000;
-/// The memory of a curve without its control points, in control points.
-const POINTS_OF_A_CURVE: usize = 4;
+/// Bytes that the curves of a program may take beyond [`MAX_BYTES_PER_BYTE`] for each byte of its text: the curves of its
+/// loops, cycles and arcs of many turns must fit into memory. A straight move takes about a hundred.
+const MAX_BYTES: usize = 40 << 20;
+/// A block of ten bytes may be a straight move.
+const MAX_BYTES_PER_BYTE: usize = 10;
 
 /// The place of a block: in the text, and in the order of execution.
 #[derive(Clone, Copy)]
@@ -51,8 +51,8 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) kept_shift: [f64; 3],
     /// Whether a word has given the unit of lengths.
     pub(crate) names_unit: bool,
-    /// Control points of the curves that have been made.
-    points: usize,
+    /// Bytes of the curves that have been made, and of their moves.
+    bytes: usize,
     /// Blocks that have been executed.
     pub(crate) block_number: u32,
     /// The first curve on which each axis is unknown, while it is.
@@ -96,7 +96,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             known_origins: [false; WORK_OFFSETS],
             kept_shift: [0.0; 3],
             names_unit: false,
-            points: 0,
+            bytes: 0,
             block_number: 0,
             unknown_from: [0; 3],
             whole_units: options.dialect == Some(Dialect::Fanuc),
@@ -111,9 +111,9 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Whether the program has more control points than are allowed for its text.
+    /// Whether the curves of the program take more memory than is allowed for its text.
     pub(crate) fn is_full(&self) -> bool {
-        self.points > MAX_POINTS + 4 * self.report.source.text.len()
+        self.bytes > MAX_BYTES + MAX_BYTES_PER_BYTE * self.report.source.text.len()
     }
 
     /// Goes to the end of a block that cannot be read. Its fault has been reported and must not cause further errors.
@@ -164,7 +164,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             self.part.curves.push(between);
             self.part.moves.push(one);
         }
-        self.points += curve.control_points_mm().len() + POINTS_OF_A_CURVE;
+        self.bytes += curve.bytes() + size_of::<Move>();
         let one = Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop: false, line, block };
         self.stops.push(self.part, self.end, curve, one);
     }

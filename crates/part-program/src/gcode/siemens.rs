@@ -12,6 +12,8 @@
 //! SINUMERIK 840D sl / 828D, Programming Manual Job Planning, "Spline interpolation". The manual does not say which
 //! block's PL= is which interval; this is the order in which CAM systems write them.
 
+use domains::shown;
+
 use crate::curve::{Curve, MAX_DEGREE};
 use crate::diagnostic::Report;
 use crate::gcode::block::Block;
@@ -45,7 +47,7 @@ impl SiemensSpline {
             match (1..=MAX_DEGREE).find(|degree| *degree as f64 == word.value) {
                 Some(degree) => self.degree = degree,
                 None => {
-                    let message = format!("degree {} is not supported", word.value);
+                    let message = format!("degree {} is not supported", shown(word.value));
                     report
                         .error(word.span, message)
                         .expected(format!("SD=2 or SD=3, here up to SD={MAX_DEGREE}"));
@@ -55,7 +57,9 @@ impl SiemensSpline {
         let weight = block.take(Key::PointWeight);
         let interval = block.take(Key::IntervalLength).map(|word| (word.value, word.span));
         if let Some((length, span)) = interval.filter(|(length, _)| *length < 0.0) {
-            report.error(span, format!("the knot interval is {length}")).expected("PL= of at least 0");
+            report
+                .error(span, format!("the knot interval is {}", shown(length)))
+                .expected("PL= of at least 0");
         }
         if !block.has_axis() {
             if let Some(word) = weight {
@@ -114,7 +118,7 @@ impl SiemensSpline {
                 knot += length;
                 knots.push((knot, span));
             } else if length != 0.0 {
-                let message = format!("a knot interval of {length} too many");
+                let message = format!("a knot interval of {} too many", shown(length));
                 report.error(span, message).expected(format!(
                     "PL=0 at the start and in the last degree - 1 = {} blocks",
                     degree - 1
