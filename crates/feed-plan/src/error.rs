@@ -47,6 +47,11 @@ pub enum PlanError {
     EndFeedTooHigh,
     /// The duration, in periods, is more than the format or a `u32` holds.
     DurationOverflows,
+    /// The plan takes more periods than are followed by chords, or, without look-ahead, than become stages.
+    TooManyPeriods {
+        /// The most that are taken.
+        most: u64,
+    },
 }
 
 impl fmt::Display for PlanError {
@@ -74,6 +79,13 @@ impl fmt::Display for PlanError {
             Self::StartFeedTooHigh => write!(f, "start feed is above the limit, or too high to brake from"),
             Self::EndFeedTooHigh => write!(f, "end feed is above the limit, or too high to be reached"),
             Self::DurationOverflows => write!(f, "duration exceeds the number format or 2^32 - 1 periods"),
+            Self::TooManyPeriods { most } => {
+                write!(
+                    f,
+                    "the plan takes more than {most} periods: expected a longer period, a higher feed, or more acceleration and \
+                     jerk"
+                )
+            }
         }
     }
 }

@@ -209,6 +209,7 @@ pub use {
         look_ahead::{plan, plan_with},
         lower_bound::jerk_free_duration,
         merge_verdicts::merge_verdicts,
+        whole_periods::MOST_PERIODS,
     },
     schedule::schedule_buf::ScheduleBuf,
     transition::transition::{ProfileKind, Transition},

@@ -90,7 +90,7 @@ impl Sweep {
     /// Number of cells.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.periods_ms.len() * self.feeds_mm_per_s.len() * self.sizes_mm.len()
+        self.periods_ms.len().saturating_mul(self.feeds_mm_per_s.len()).saturating_mul(self.sizes_mm.len())
     }
 
     /// Whether the sweep has no cell.

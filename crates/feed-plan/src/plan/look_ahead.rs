@@ -51,7 +51,8 @@ pub fn plan<R: Real>(
 /// [`PlanError::NotPositive`] and [`PlanError::Negative`] for limits and end feeds that are none;
 /// [`PlanError::StartFeedTooHigh`] and [`PlanError::EndFeedTooHigh`] for end feeds that the limit or the
 /// acceleration do not allow; [`PlanError::CannotMove`] where the limit is zero over a stretch, or too low
-/// for the format; [`PlanError::DurationOverflows`] when the periods cannot be counted.
+/// for the format; [`PlanError::DurationOverflows`] when the periods cannot be counted, and
+/// [`PlanError::TooManyPeriods`] when there are more than [`MOST_PERIODS`](crate::MOST_PERIODS).
 pub fn plan_with<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,

@@ -18,6 +18,11 @@ impl<'l, R: Real> Stages<'l, R> {
         Self { limit, stages: Vec::new() }
     }
 
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.stages.len()
+    }
+
     /// Adds a stretch of constant feed. It lengthens the last stage if that has the same feed; a stretch of no length
     /// adds nothing.
     pub(crate) fn constant(&mut self, start: R, length: R, feed: R) {

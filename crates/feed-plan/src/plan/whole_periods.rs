@@ -13,6 +13,10 @@ use crate::{FeedLimit, PlanError, Stage};
 /// lines and their corners need no such room, since their chords are as long as the path.
 pub(crate) const SLOWER: i32 = -13;
 
+/// Periods of a plan, at most: twelve days of them at a millisecond. A plan [in chords](FeedLimit::in_chords) is followed
+/// period by period, up to twenty times.
+pub const MOST_PERIODS: u64 = 1 << 30;
+
 /// Slows each section between two stops down evenly to a whole number of periods, and returns the sum of these numbers.
 pub(crate) fn stretch<R: Real>(
     stages: &mut [Stage<R>],
@@ -30,7 +34,11 @@ pub(crate) fn stretch<R: Real>(
         periods = periods.saturating_add(u64::from(taken));
         rest = behind;
     }
-    if periods > 0 { Ok(periods) } else { Err(PlanError::DurationOverflows) }
+    match periods {
+        0 => Err(PlanError::DurationOverflows),
+        1..=MOST_PERIODS => Ok(periods),
+        _ => Err(PlanError::TooManyPeriods { most: MOST_PERIODS }),
+    }
 }
 
 /// Slows one section down evenly to a whole number of periods, and by this share at least.

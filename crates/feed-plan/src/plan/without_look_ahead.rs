@@ -17,6 +17,9 @@ use crate::plan::key_points::Key;
 use crate::plan::stages::Stages;
 use crate::{FeedLimit, FeedPiece, KinematicLimits, PlanError, StageShape};
 
+/// Stages that a plan may have, at most: each period in which the feed changes is one.
+const MOST_STAGES: usize = 1 << 20;
+
 /// A section from rest to rest, or to the end of the path.
 pub(crate) fn without_look_ahead<R: Real>(
     limit: &FeedLimit<R>,
@@ -44,6 +47,9 @@ pub(crate) fn without_look_ahead<R: Real>(
         let length = ((feed + next) * period).half();
         if !(length > R::zero() && at + length > at) {
             return Err(PlanError::CannotMove { index: from.point });
+        }
+        if stages.count() >= MOST_STAGES {
+            return Err(PlanError::TooManyPeriods { most: 1 << 20 });
         }
         if next == feed {
             stages.constant(at, length, feed);

@@ -23,6 +23,7 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::plan::look_ahead::{self, InWindow};
+use crate::plan::whole_periods::MOST_PERIODS;
 use crate::window::chord_run::{ChordRun, FinalStages};
 use crate::window::view::{CommandedCurve, View};
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Stage, StageKind};
@@ -113,6 +114,9 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
         stages.extend_from_slice(&rest);
         emit(&run.take(&view.path(&whole), &stages, count)?);
         done.periods = run.periods;
+        if done.duration.ldexp(-30) > limits.interpolation_period {
+            return Err(PlanError::TooManyPeriods { most: MOST_PERIODS });
+        }
         if ends_here {
             return Ok(done);
         }

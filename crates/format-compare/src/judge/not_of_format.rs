@@ -135,6 +135,9 @@ where
     Space: Dimension<D>,
 {
     let format = format_named(&f64::name().to_string())?;
+    if options.is_interrupted() {
+        return None;
+    }
     let plan = plan_for(problem, format.as_ref(), options).ok()?;
     if plan.periods() > MOST_TRIED {
         return None;

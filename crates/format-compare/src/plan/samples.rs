@@ -123,9 +123,21 @@ impl ExactPlan {
         problem: &Problem<D>,
         per_period: u32,
     ) -> Result<Vec<FeedSample>, Refusal> {
+        Ok(self.samples(problem, per_period)?.collect())
+    }
+
+    /// The same samples, one after the other.
+    ///
+    /// # Errors
+    /// As [`sampled`](Self::sampled).
+    pub fn samples<const D: usize>(
+        &self,
+        problem: &Problem<D>,
+        per_period: u32,
+    ) -> Result<impl Iterator<Item = FeedSample> + use<'_, D>, Refusal> {
         let step = 1.0 / f64::from(per_period);
         let count = self.periods() * u64::from(per_period);
-        self.sampled_at(problem, (0..=count).map(|sample| sample as f64 * step))
+        self.sampled_at(problem, (0..=count).map(move |sample| sample as f64 * step))
     }
 
     /// The plan sampled once a period, or less often if it takes more than `most` periods: then at so many even
@@ -139,18 +151,18 @@ impl ExactPlan {
         most: u64,
     ) -> Result<Vec<FeedSample>, Refusal> {
         let periods = for_a_picture(self, most);
-        self.sampled_at(problem, periods.into_iter().map(|period| period as f64))
+        Ok(self.sampled_at(problem, periods.into_iter().map(|period| period as f64))?.collect())
     }
 
     /// Samples at rising times, in periods.
-    fn sampled_at<const D: usize>(
+    fn sampled_at<const D: usize, T: Iterator<Item = f64>>(
         &self,
         problem: &Problem<D>,
-        times: impl Iterator<Item = f64>,
-    ) -> Result<Vec<FeedSample>, Refusal> {
+        times: T,
+    ) -> Result<impl Iterator<Item = FeedSample> + use<'_, D, T>, Refusal> {
         let t = problem.period_s();
         let feed_limit = self.limit(problem)?;
-        let sample = |at: Instant<'_>| {
+        let sample = move |at: Instant<'_>| {
             let (distance_mm, feed) = at.distance_and_feed();
             let (curve, u) = feed_limit.parameter_at(distance_mm);
             FeedSample {
@@ -165,7 +177,7 @@ impl ExactPlan {
             }
         };
         let mut walk = Walk::new(self);
-        Ok(times.map(|time| sample(walk.to(time))).collect())
+        Ok(times.map(move |time| sample(walk.to(time))))
     }
 }
 

@@ -8,18 +8,18 @@
 //! - the time that follows from the jerk J: `L ≤ V·t + J·t³/32`, with a quarter of the time up, two down and one up.
 //!   One of the two terms makes up half of L or more, so `t ≥ min(L/(2V), ∛(16·L/J))`.
 //!
-//! Stops on the way and limits of single axes are left out.
+//! The first and the last two hold for each axis too, with its own limits, and with the way that it goes back and forth for L.
+//! Stops on the way are left out.
 
 use std::fmt;
 
+use domains::shown;
+pub use feed_plan::MOST_PERIODS;
 use feed_plan::chord_feedrate;
 use nurbs_core::{Differentiate, Evaluate, radius};
 use real::Real;
 
 use crate::problem::problem::Problem;
-
-/// Periods of a run, at most: a day of them at 0.1 µs.
-pub const MOST_PERIODS: u64 = 1 << 40;
 
 /// The limit by which a run takes longest, and the least number of periods under it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,19 +47,31 @@ impl LeastPeriods {
                 across.map_or(f64::INFINITY, |across| (across * radius).sqrt()),
             ]
         };
-        let (length_mm, [by_chord, by_across]) = passed(problem, bends);
-        let by_acceleration = 2.0 * length_mm / (ends + (ends * ends + acceleration * length_mm).sqrt());
-        let by_jerk = (16.0 * length_mm / jerk).cbrt().min(length_mm / (2.0 * ends));
-        let limits = [
+        let Passed { length_mm, times: [by_chord, by_across], along_axes } = passed(problem, bends);
+        let by_acceleration =
+            |length: f64, most: f64| 2.0 * length / (ends + (ends * ends + most * length).sqrt());
+        let by_jerk = |length: f64, most: f64| (16.0 * length / most).cbrt().min(length / (2.0 * ends));
+        let of_path = [
             (by_chord, ("a chord error of", chord, "mm")),
             (by_across, ("a centripetal acceleration of", across.unwrap_or(f64::INFINITY), "mm/s²")),
-            (by_acceleration, ("an acceleration of", acceleration, "mm/s²")),
-            (by_jerk, ("a jerk of", jerk, "mm/s³")),
+            (by_acceleration(length_mm, acceleration), ("an acceleration of", acceleration, "mm/s²")),
+            (by_jerk(length_mm, jerk), ("a jerk of", jerk, "mm/s³")),
         ];
+        let axes = along_axes.into_iter().zip([machine.axes.x, machine.axes.y, machine.axes.z]).zip(AXES);
+        let of_axes = axes.flat_map(|((length, axis), [velocity, acceleration, jerk])| {
+            // An axis that does not move is not limited.
+            let limit = |value: Option<f64>| value.filter(|_| length > 0.0);
+            [
+                limit(axis.velocity_mm_per_s).map(|most| (length / most, (velocity, most, "mm/s"))),
+                limit(axis.acceleration_mm_per_s2)
+                    .map(|most| (by_acceleration(length, most), (acceleration, most, "mm/s²"))),
+                limit(axis.jerk_mm_per_s3).map(|most| (by_jerk(length, most), (jerk, most, "mm/s³"))),
+            ]
+        });
+        let limits = of_path.into_iter().chain(of_axes.flatten());
         let feed = problem.feedrate_mm_per_s();
         let first = (length_mm / feed, ("a feedrate of", feed, "mm/s"));
-        let (time_s, limit) =
-            limits.into_iter().fold(first, |most, one| if one.0 > most.0 { one } else { most });
+        let (time_s, limit) = limits.fold(first, |most, one| if one.0 > most.0 { one } else { most });
         let period_ms = machine.interpolation_period_ms;
         Self { periods: time_s / problem.period_s(), length_mm, period_ms, limit }
     }
@@ -76,17 +88,36 @@ impl fmt::Display for LeastPeriods {
         let Self { periods, length_mm, period_ms, limit: (what, value, unit) } = self;
         write!(
             f,
-            "{length_mm:.3} mm with {what} {value} {unit} take at least {periods:.3e} periods of {period_ms} ms"
+            "{length_mm:.3} mm with {what} {} {unit} take at least {periods:.3e} periods of {} ms",
+            shown(*value),
+            shown(*period_ms)
         )
     }
 }
 
-/// Length of the path, in mm, by chords, and the time at each of two feeds that depend on the radius. For a step
-/// between two samples, the higher feed of its two ends counts, so that a sharp bend does not slow its surroundings.
-fn passed<const D: usize>(problem: &Problem<D>, feeds: impl Fn(f64) -> [f64; 2]) -> (f64, [f64; 2]) {
+/// The words for the limits of each axis: of its velocity, its acceleration and its jerk.
+const AXES: [[&str; 3]; 3] = [
+    ["a velocity of X of", "an acceleration of X of", "a jerk of X of"],
+    ["a velocity of Y of", "an acceleration of Y of", "a jerk of Y of"],
+    ["a velocity of Z of", "an acceleration of Z of", "a jerk of Z of"],
+];
+
+/// A path by its chords.
+struct Passed<const D: usize> {
+    /// Its length, in mm.
+    length_mm: f64,
+    /// The time at each of two feeds that depend on the radius, in s.
+    times: [f64; 2],
+    /// How far each axis goes, back and forth, in mm.
+    along_axes: [f64; D],
+}
+
+/// The path by its chords. For a step between two samples, the higher feed of its two ends counts, so that a sharp bend does not
+/// slow its surroundings.
+fn passed<const D: usize>(problem: &Problem<D>, feeds: impl Fn(f64) -> [f64; 2]) -> Passed<D> {
     /// Steps on a span of a curve; a line has one.
     const STEPS: usize = 8;
-    let (mut length, mut times) = (0.0, [0.0; 2]);
+    let mut passed = Passed { length_mm: 0.0, times: [0.0; 2], along_axes: [0.0; D] };
     for (curve, fast) in problem.curves.iter().zip(problem.fast_curves()) {
         let steps = if curve.degree() == 1 { 1 } else { STEPS };
         for span in 0..fast.span_count() {
@@ -99,16 +130,20 @@ fn passed<const D: usize>(problem: &Problem<D>, feeds: impl Fn(f64) -> [f64; 2])
             let mut before = at(0);
             for step in 1..=steps {
                 let here = at(step);
-                let chord = f64::norm(&core::array::from_fn::<_, D, _>(|d| here.0[d] - before.0[d]));
-                length += chord;
-                for (time, (a, b)) in times.iter_mut().zip(before.1.into_iter().zip(here.1)) {
+                let way = core::array::from_fn::<_, D, _>(|d| here.0[d] - before.0[d]);
+                let chord = f64::norm(&way);
+                passed.length_mm += chord;
+                for (along, way) in passed.along_axes.iter_mut().zip(way) {
+                    *along += way.abs();
+                }
+                for (time, (a, b)) in passed.times.iter_mut().zip(before.1.into_iter().zip(here.1)) {
                     *time += if chord > 0.0 { chord / a.max(b) } else { 0.0 };
                 }
                 before = here;
             }
         }
     }
-    (length, times)
+    passed
 }
 
 #[cfg(test)]
@@ -128,8 +163,11 @@ mod tests {
     /// No plan takes fewer periods. Where one limit dominates, a plan takes at most so many times more.
     #[test]
     fn no_plan_takes_fewer_periods() {
-        let changes: [(Change, &str, f64); 6] = [
+        let changes: [(Change, &str, f64); 9] = [
             (|_| {}, "chord", 2.0),
+            (|m| m.axes.x.velocity_mm_per_s = Some(1.0), "velocity of X", 1.3),
+            (|m| m.axes.y.acceleration_mm_per_s2 = Some(1.0), "acceleration of Y", 6.0),
+            (|m| m.axes.x.jerk_mm_per_s3 = Some(0.1), "jerk of X", 6.0),
             (|m| m.feedrate_mm_per_s = 5.0, "feedrate", 1.02),
             (|m| m.acceleration_mm_per_s2 = 5.0, "acceleration", 1.6),
             (|m| m.jerk_mm_per_s3 = 1.0, "jerk", 2.0),
@@ -151,11 +189,14 @@ mod tests {
     /// Limits that no machine has are refused, each by its name.
     #[test]
     fn what_would_take_days_is_seen() {
-        let changes: [(Change, &str); 4] = [
+        let changes: [(Change, &str); 7] = [
+            (|m| m.axes.y.velocity_mm_per_s = Some(1e-17), "a velocity of Y of 1e-17 mm/s"),
+            (|m| m.axes.x.acceleration_mm_per_s2 = Some(1e-17), "an acceleration of X of 1e-17 mm/s²"),
+            (|m| m.axes.x.jerk_mm_per_s3 = Some(1e-26), "a jerk of X of 1e-26 mm/s³"),
             (|m| m.interpolation_period_ms = 1e-9, "periods of 0.000000001 ms"),
-            (|m| m.acceleration_mm_per_s2 = 1e-17, "an acceleration of 0.00000000000000001 mm/s²"),
-            (|m| m.jerk_mm_per_s3 = 1e-26, "a jerk of 0.00000000000000000000000001 mm/s³"),
-            (|m| m.chord_error_mm = 1e-22, "a chord error of 0.0000000000000000000001 mm"),
+            (|m| m.acceleration_mm_per_s2 = 1e-17, "an acceleration of 1e-17 mm/s²"),
+            (|m| m.jerk_mm_per_s3 = 1e-26, "a jerk of 1e-26 mm/s³"),
+            (|m| m.chord_error_mm = 1e-22, "a chord error of 1e-22 mm"),
         ];
         assert!(!LeastPeriods::of(&problem(|_| {}), [0.0; 2]).are_too_many());
         for (change, words) in changes {

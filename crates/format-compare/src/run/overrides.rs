@@ -6,6 +6,8 @@
 
 use std::fmt;
 
+use domains::options::{OVERRIDE, OVERRIDE_TIME, RESERVE};
+use domains::shown;
 use feed_plan::{AxisLimits, FeedPiece, KinematicLimits, Stage, sections};
 use real::DoubleDouble;
 use secant_interp::{
@@ -39,33 +41,46 @@ pub struct Overrides {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum OverrideError {
-    /// A share is below 0, above 2, or NaN.
+    /// A share is not in the domain of `--override`.
     Share(f64),
-    /// A time is below 0, or less than the one before it.
+    /// A time is not in the domain of `--override`, or less than the one before it.
     Time(f64),
     /// The last override is 0: the run would stand still for ever.
     EndsInHold,
-    /// The reserve of acceleration and jerk is not a share between 0 and 1.
+    /// The reserve of acceleration and jerk is not in the domain of `--reserve`.
     Reserve(f64),
     /// The acceleration and jerk that the plan leaves change the rate by less than its unit.
     NothingLeft,
     /// The run takes more than [`MOST_PERIODS`] periods.
-    TooLong,
+    TooLong {
+        /// About how many.
+        periods: f64,
+        /// The plan's own.
+        planned: u64,
+    },
 }
 
 impl fmt::Display for OverrideError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Share(share) => write!(f, "override {} %: expected 0 to 200 %", share * 100.0),
-            Self::Time(time) => write!(f, "override at {time} s: expected times from 0 on, in order"),
+            Self::Share(share) => {
+                write!(f, "override {} %: expected {}", shown(share * 100.0), OVERRIDE.expected())
+            }
+            Self::Time(time) => {
+                write!(f, "override at {} s: expected {}, in order", shown(*time), OVERRIDE_TIME.expected())
+            }
             Self::EndsInHold => {
                 f.write_str("the last override is 0 %: expected one above it, or the run never ends")
             }
             Self::Reserve(reserve) => {
-                write!(f, "reserve {} %: expected more than 0 and less than 100 %", reserve * 100.0)
+                write!(f, "reserve {} %: expected {}", shown(reserve * 100.0), RESERVE.expected())
             }
             Self::NothingLeft => f.write_str("the reserve is too small to change the rate in steps of 2^-32"),
-            Self::TooLong => write!(f, "the run takes more than {MOST_PERIODS} periods"),
+            Self::TooLong { periods, planned } => write!(
+                f,
+                "with these overrides the {planned} periods of the plan take about {periods:.3e}: expected at most {MOST_PERIODS}, by \
+                 a greater override, or by a shorter hold"
+            ),
         }
     }
 }
@@ -81,10 +96,10 @@ impl Overrides {
     pub fn try_new(targets: Vec<OverrideTarget>, reserve: f64) -> Result<Self, OverrideError> {
         let mut before = 0.0;
         for target in &targets {
-            if !(0.0..=2.0).contains(&target.share) {
+            if !OVERRIDE.holds(target.share * 100.0) {
                 return Err(OverrideError::Share(target.share));
             }
-            if !(target.time_s >= before && target.time_s.is_finite()) {
+            if !(target.time_s >= before && OVERRIDE_TIME.holds(target.time_s)) {
                 return Err(OverrideError::Time(target.time_s));
             }
             before = target.time_s;
@@ -92,7 +107,7 @@ impl Overrides {
         if targets.last().is_some_and(|last| last.share <= 0.0) {
             return Err(OverrideError::EndsInHold);
         }
-        if !(reserve > 0.0 && reserve < 1.0) {
+        if !RESERVE.holds(reserve * 100.0) {
             return Err(OverrideError::Reserve(reserve));
         }
         Ok(Self { targets, reserve })
@@ -184,7 +199,12 @@ impl Overrides {
         let mut commands = OverrideCommands { feeds, full: start, start, targets, stages, periods: 0 };
         // A rate that is commanded from the first period on holds before that period too.
         commands.start = commands.commanded(0).unwrap_or(start);
-        commands.periods = commands.count().ok_or(OverrideError::TooLong)?;
+        let (planned, periods) = (plan.periods(), commands.about(plan.periods()));
+        let too_long = OverrideError::TooLong { periods, planned };
+        if periods > MOST_PERIODS as f64 {
+            return Err(too_long);
+        }
+        commands.periods = commands.count().ok_or(too_long)?;
         Ok(commands)
     }
 }
@@ -246,6 +266,19 @@ impl OverrideCommands {
         if let Some(rate) = self.commanded(period) {
             rates.set(rate);
         }
+    }
+
+    /// About how many periods the run takes: as many as if each rate held from its period on.
+    fn about(&self, planned: u64) -> f64 {
+        let (mut left, mut time, mut share) = (planned as f64, 0.0, self.start.share());
+        for (from, rate) in &self.targets {
+            let passed = (from - time) * share;
+            if passed >= left {
+                break;
+            }
+            (left, time, share) = (left - passed, *from, rate.share());
+        }
+        time + left / share
     }
 
     /// The number of periods of the run; `None` if the run is too long.
