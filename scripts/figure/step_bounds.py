@@ -23,7 +23,7 @@ def table(bounds, costs):
     lines.append([counted, *(f"{target['worst_of_the_part']:,}" for target in targets)])
     lines.append(["… that a search has found", *(f"{target['worst_found']:,}" for target in targets)])
     ratios = (bound(target, "plan", "instructions") / target["worst_found"] for target in targets)
-    lines.append(["the bound is so many times that", *(f"{ratio:.2f}" for ratio in ratios)])
+    lines.append(["the bound, over the worst that was found", *(f"{ratio:.2f}" for ratio in ratios)])
     return marked.rows(header, lines)
 
 

@@ -8,11 +8,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use domains::options::WORSE_BY;
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::ending::Ending;
-use crate::output;
+use crate::numbers::number;
+use crate::{files, output};
 
 /// The version of the JSON of `compare` and `size`. It grows when a key goes or changes its meaning.
 const SCHEMA: u64 = 1;
@@ -41,7 +43,14 @@ pub(crate) struct BaselineArguments {
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     /// By how much a figure may grow over the baseline's, in per cent.
-    #[arg(long, value_name = "PERCENT", default_value_t = 1.0, requires = "baseline")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "PERCENT",
+        default_value_t = 1.0,
+        requires = "baseline",
+        value_parser = number(&WORSE_BY)
+    )]
     worse_by: f64,
 }
 
@@ -61,12 +70,8 @@ impl BaselineArguments {
 
     /// The baseline that is asked for, if it is one of `command`.
     pub(crate) fn read(&self, command: &str) -> Result<Option<Baseline>> {
-        if !(0.0..=1000.0).contains(&self.worse_by) {
-            bail!("--worse-by {}: a figure may grow by 0 to 1000 per cent", self.worse_by);
-        }
         let Some(path) = &self.baseline else { return Ok(None) };
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = files::text(path, files::MOST_OF_RESULT)?;
         let result: Value = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
         expect_result_of(command, &result, path)?;
         Ok(Some(Baseline { path: path.clone(), result, share: self.worse_by / 100.0 }))

@@ -78,8 +78,11 @@ where
     let baseline = arguments.baseline.read("compare")?;
     report::make_folder(arguments.report.as_deref())?;
     let progress = Progress::planning();
-    let watch =
-        Watch { traces: arguments.report.is_some(), progress: &|done, all| progress.periods(done, all) };
+    let watched = |done: u64, all: u64| {
+        interrupt::runs_begin();
+        progress.periods(done, all);
+    };
+    let watch = Watch { traces: arguments.report.is_some(), progress: &watched };
     let mut compared = format_compare::compare_with(problem, &formats, &engines, &interruptible, &watch)?;
     progress.finish();
     if !interrupt::is_set() {

@@ -11,6 +11,7 @@ use std::borrow::Cow;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCandidates;
+use domains::options::{BUFFER, FEED_OVERRIDE, FLASH, RESERVE};
 use format_compare::{
     Compared, Dimension, Engine, JudgedRun, Options, OverrideTarget, Overrides, Problem, Space, Verdict,
     Watch,
@@ -20,9 +21,11 @@ use c::CPlace;
 use judged::Judged;
 use stream::StreamPlace;
 
+use crate::bounds::expect_an_end;
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
+use crate::numbers::{number, whole};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::{candidates, output};
@@ -44,14 +47,14 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "out", conflicts_with_all = ["language", "flash"])]
     stream: bool,
     /// Bytes of that buffer: refuse a part with a section that takes more.
-    #[arg(long, value_name = "BYTES", requires = "stream")]
+    #[arg(long, allow_negative_numbers = true, value_name = "BYTES", requires = "stream", value_parser = whole::<usize>(&BUFFER))]
     buffer: Option<usize>,
     /// Write to this file instead of the terminal. For C: to PATH.h and PATH.c, whose public names begin with PATH's last
     /// part.
     #[arg(long, value_name = "PATH")]
     out: Option<std::path::PathBuf>,
     /// Bytes of flash for the tables: refuse a part that takes more.
-    #[arg(long, value_name = "BYTES")]
+    #[arg(long, allow_negative_numbers = true, value_name = "BYTES", value_parser = whole::<usize>(&FLASH))]
     flash: Option<usize>,
     /// In C and in a stream: with feed override up to this percentage of the commanded feed, 100 to 200, and feed hold. Such
     /// a run goes from rest to rest.
@@ -59,7 +62,8 @@ pub(crate) struct Arguments {
         long,
         allow_negative_numbers = true,
         value_name = "PERCENT",
-        conflicts_with_all = ["start_feed", "end_feed"]
+        conflicts_with_all = ["start_feed", "end_feed"],
+        value_parser = number(&FEED_OVERRIDE)
     )]
     feed_override: Option<f64>,
     /// Share of acceleration and jerk that the plan leaves for changes of the override, in per cent.
@@ -68,7 +72,8 @@ pub(crate) struct Arguments {
         allow_negative_numbers = true,
         value_name = "PERCENT",
         default_value_t = 20.0,
-        requires = "feed_override"
+        requires = "feed_override",
+        value_parser = number(&RESERVE)
     )]
     reserve: f64,
 }
@@ -81,9 +86,6 @@ impl Arguments {
             bail!(
                 "--feed-override goes with --language c or --stream: in Rust the firmware calls `step_overridden`"
             );
-        }
-        if !(100.0..=200.0).contains(&percent) {
-            bail!("--feed-override {percent}: expected 100 to 200 % of the commanded feed");
         }
         let highest = OverrideTarget { time_s: 0.0, share: percent / 100.0 };
         Ok(Some(Overrides::try_new(vec![highest], self.reserve / 100.0)?))
@@ -152,6 +154,7 @@ where
     let overrides = arguments.overrides()?;
     let to_plan =
         overrides.as_ref().map_or(Cow::Borrowed(problem), |overrides| Cow::Owned(overrides.to_plan(problem)));
+    expect_an_end(&to_plan, &options)?;
     if let Place::C(_) = place {
         // What C cannot hold is refused before the long run of the judge.
         c::expect_type(format)?;

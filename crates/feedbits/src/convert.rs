@@ -5,16 +5,19 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use domains::options::{CONVERT_TOLERANCE, CORNER, DIGITS, FIT};
 use part_program::{
     Curve, GAP_MM, MoveKind, Part, RatioWords, Rounded, inspect, write_curves, write_g1, write_g5_2,
     write_g06_2,
 };
-use path_smooth::{FitError, FitOptions, FitReport, Fitted, fit_curves};
+use path_smooth::{FitOptions, FitReport, Fitted, fit_curves};
 
 use crate::ending::Ending;
 use crate::input::{Input, read_again};
+use crate::numbers::{number, whole};
 use crate::output;
 use crate::output::counted;
+use crate::progress::Progress;
 
 /// If rounding turns a straight move by more than this, in degrees, a note says so.
 const TURN_DEG: f64 = 2.0;
@@ -36,7 +39,7 @@ pub(crate) struct Arguments {
     to: Option<Target>,
     /// Write runs of straight moves as cubic curves that are at most so far from them, in mm; the distance is proven. Corners,
     /// rests and changes of feed stay.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM")]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM", value_parser = number(&FIT))]
     fit: Option<f64>,
     /// With --fit: a change of direction above this, in degrees, is a corner.
     #[arg(
@@ -44,17 +47,18 @@ pub(crate) struct Arguments {
         allow_negative_numbers = true,
         value_name = "DEGREES",
         requires = "fit",
-        default_value_t = 30.0
+        default_value_t = 30.0,
+        value_parser = number(&CORNER)
     )]
     corner: f64,
     /// With --fit: let curves pass every point between the moves, as paper D does, in place of as few as keep within MM.
     #[arg(long, requires = "fit")]
     every_point: bool,
     /// With --to g1: largest distance between the curves and the straight moves, in mm. Default: 0.001.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM")]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM", value_parser = number(&CONVERT_TOLERANCE))]
     tolerance: Option<f64>,
     /// Round coordinates, in mm, to so many decimals, as a control takes them. All other numbers are kept as they are.
-    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=15))]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = whole::<u8>(&DIGITS))]
     digits: Option<u8>,
     /// With --to g06.2: scale knots and weights, which are ratios, to at most this number, and round them to its decimals, as a
     /// control takes them: 999999.999 with FANUC's Series 15i and IS-B, 99.9999 with Mitsubishi's M700V.
@@ -94,9 +98,6 @@ enum Target {
 
 /// Reads the part, writes it, reads the result back, and says what has changed.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    if let Some(tolerance) = arguments.tolerance.filter(|length| !(*length > 0.0 && length.is_finite())) {
-        bail!("--tolerance {tolerance}: expected a positive length in mm");
-    }
     if arguments.to() != Target::G1 && arguments.tolerance.is_some() {
         bail!("--tolerance: curves are kept as they are there; expected --to g1");
     }
@@ -111,6 +112,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     }
     let mut part = arguments.input.part()?;
     part.machine = arguments.input.machine_of(&part)?;
+    let progress = Progress::spinning("converting");
     let fitted = fitted(&part, arguments)?;
     if let Some(fitted) = &fitted {
         part = fitted.path.clone();
@@ -133,6 +135,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         }
         rounding.push(ratio_note(arguments, moved_mm));
     }
+    progress.finish();
     output::write(arguments.out.as_deref(), &text)?;
     if let Some(fitted) = &fitted {
         output::note(&fit_note(&fitted.report, arguments));
@@ -150,8 +153,6 @@ fn fitted(part: &Part, arguments: &Arguments) -> Result<Option<Fitted>> {
         FitOptions { tolerance_mm, corner_deg: arguments.corner, every_point: arguments.every_point };
     match fit_curves(part, &options) {
         Ok(fitted) => Ok(Some(fitted)),
-        Err(FitError::Tolerance(_)) => bail!("--fit {tolerance_mm}: expected a positive length in mm"),
-        Err(error @ FitError::Corner(_)) => Err(error).context("--corner"),
         Err(error) => Err(error).with_context(|| format!("--fit {tolerance_mm}: nothing is written")),
     }
 }

@@ -1,4 +1,4 @@
-//! Reads whole files and pipes, up to the largest size allowed.
+//! Reads whole files and pipes, up to the largest size of their kind.
 
 use std::fs::File;
 use std::io::Read;
@@ -7,36 +7,71 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use part_program::MAX_TEXT;
 
+/// The largest part, or machine file, in bytes: the machine may stand in a curve file.
+pub(crate) const MOST_OF_PART: usize = MAX_TEXT;
+/// The largest servo or target file: each value takes some hundred bytes.
+pub(crate) const MOST_OF_SMALL: usize = 1 << 20;
+/// The largest result of an earlier run.
+pub(crate) const MOST_OF_RESULT: usize = 16 << 20;
+
+/// So many zeros at the begin of a file are no text.
+const NOTHING: usize = 512;
+
 /// A whole file as text.
-pub(crate) fn text(path: &Path) -> Result<String> {
-    String::from_utf8(bytes(path)?).map_err(|error| {
+pub(crate) fn text(path: &Path, most: usize) -> Result<String> {
+    String::from_utf8(bytes(path, most)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        anyhow::anyhow!("{}: byte {at} is not UTF-8 text: expected a TOML file", path.display())
+        anyhow::anyhow!("{}: byte {at} is not UTF-8 text: expected a text file", path.display())
     })
 }
 
 /// A whole file. A file that is too long is refused before memory is taken for it; a pipe, once it has given too much.
-pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>> {
+pub(crate) fn bytes(path: &Path, most: usize) -> Result<Vec<u8>> {
     let name = path.display().to_string();
     let cannot = || format!("cannot read {name}");
     let file = File::open(path).with_context(cannot)?;
-    if file.metadata().with_context(cannot)?.len() > u64::try_from(MAX_TEXT)? {
-        bail!(too_long(&name));
+    if file.metadata().with_context(cannot)?.len() > u64::try_from(most)? {
+        bail!(too_long(&name, most));
     }
-    taken(&name, file)
+    taken(&name, file, most)
 }
 
-/// All bytes of a source, unless there are too many.
-pub(crate) fn taken(name: &str, source: impl Read) -> Result<Vec<u8>> {
+/// All bytes of a source, unless there are too many, or nothing but zeros as in `/dev/zero`.
+pub(crate) fn taken(name: &str, mut source: impl Read, most: usize) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let most = u64::try_from(MAX_TEXT)? + 1;
-    source.take(most).read_to_end(&mut bytes).with_context(|| format!("cannot read {name}"))?;
-    if bytes.len() > MAX_TEXT {
-        bail!(too_long(name));
+    let mut take = |count: usize, bytes: &mut Vec<u8>| {
+        let taken = (&mut source).take(u64::try_from(count)?).read_to_end(bytes);
+        taken.map(drop).with_context(|| format!("cannot read {name}"))
+    };
+    take(NOTHING, &mut bytes)?;
+    if bytes.len() == NOTHING && bytes.iter().all(|byte| *byte == 0) {
+        bail!("{name} begins with {NOTHING} bytes of 0: expected text");
+    }
+    take(most - NOTHING + 1, &mut bytes)?;
+    if bytes.len() > most {
+        bail!(too_long(name, most));
     }
     Ok(bytes)
 }
 
-fn too_long(name: &str) -> String {
-    format!("{name} is longer than {} MiB, the most that is read", MAX_TEXT >> 20)
+fn too_long(name: &str, most: usize) -> String {
+    format!("{name} is longer than {} MiB, the most that is read", most >> 20)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::repeat;
+
+    use super::*;
+
+    /// Sources without an end: one of zeros, and one of text.
+    #[test]
+    fn no_source_takes_more_than_its_kind_may() {
+        let refused = |byte: u8, most: usize| taken("it", repeat(byte), most).unwrap_err().to_string();
+        assert_eq!(refused(0, MOST_OF_PART), "it begins with 512 bytes of 0: expected text");
+        assert_eq!(refused(b'x', MOST_OF_SMALL), "it is longer than 1 MiB, the most that is read");
+        assert_eq!(taken("it", &b"ab"[..], MOST_OF_SMALL).unwrap(), b"ab");
+        let whole = vec![b'x'; MOST_OF_SMALL];
+        assert_eq!(taken("it", &whole[..], MOST_OF_SMALL).unwrap().len(), MOST_OF_SMALL);
+    }
 }

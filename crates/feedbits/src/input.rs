@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::{ArgValueCandidates, ArgValueCompleter};
+use domains::options::START;
 use format_compare::Problem;
-use part_program::{
-    Diagnostics, Dialect, MAX_COORDINATE_MM, Machine, Move, MoveKind, Part, ReadOptions, Unit,
-};
+use part_program::{Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Unit};
 
-use crate::files::{bytes, taken};
+use crate::files::{MOST_OF_PART, bytes, taken};
 use crate::{candidates, output, presets};
 
 /// The example that runs when no part is named: paper A's curve and machine.
@@ -47,12 +46,10 @@ pub(crate) struct Input {
 fn place(text: &str) -> Result<[f64; 3], String> {
     let numbers: Vec<f64> = text.split(',').map_while(|number| number.trim().parse().ok()).collect();
     match numbers[..] {
-        [x, y, z]
-            if text.split(',').count() == 3 && [x, y, z].iter().all(|x| x.abs() <= MAX_COORDINATE_MM) =>
-        {
+        [x, y, z] if text.split(',').count() == 3 && [x, y, z].iter().all(|x| START.holds(*x)) => {
             Ok([x, y, z])
         }
-        _ => Err(format!("`{text}` is no place: expected three numbers in mm, as 0,0,5")),
+        _ => Err(format!("expected three numbers in mm, as 0,0,5, each {}", START.expected())),
     }
 }
 
@@ -121,9 +118,17 @@ impl Input {
         Ok(match &self.part {
             Some(path) if path == Path::new("-") => {
                 let name = "standard input";
-                part_program::read_part_bytes(name, &taken(name, std::io::stdin().lock())?, options)
+                part_program::read_part_bytes(
+                    name,
+                    &taken(name, std::io::stdin().lock(), MOST_OF_PART)?,
+                    options,
+                )
             }
-            Some(path) => part_program::read_part_bytes(&path.display().to_string(), &bytes(path)?, options),
+            Some(path) => part_program::read_part_bytes(
+                &path.display().to_string(),
+                &bytes(path, MOST_OF_PART)?,
+                options,
+            ),
             None => part_program::read_part_with("built-in example", EXAMPLE, options),
         })
     }

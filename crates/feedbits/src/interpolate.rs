@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
+use domains::options::{OVERRIDE, OVERRIDE_TIME, RESERVE};
 use format_compare::{
     AboutRun, ChordTally, Dimension, Engine, Observer, Options, OverrideTarget, Overrides, Problem,
     Reference, Refusal, Space, Vectors, VectorsAbout,
@@ -15,9 +16,11 @@ use real::FormatName;
 
 use rows::Rows;
 
+use crate::bounds::{expect_an_end, expect_few_vectors};
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
+use crate::numbers::{number, refusal};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::{candidates, output};
@@ -49,7 +52,8 @@ pub(crate) struct Arguments {
         allow_negative_numbers = true,
         value_name = "PERCENT",
         default_value_t = 20.0,
-        requires = "overrides"
+        requires = "overrides",
+        value_parser = number(&RESERVE)
     )]
     reserve: f64,
     /// Write test vectors into this folder: what the step holds in each period, bit by bit, as CSV and as memory images.
@@ -98,6 +102,7 @@ where
     }
     let overrides = Overrides::try_new(arguments.overrides.clone(), arguments.reserve / 100.0)?;
     let to_plan = overrides.to_plan(problem);
+    expect_an_end(&to_plan, &options)?;
     let plan = format_compare::plan_for(&to_plan, format.as_ref(), &options)?;
     let commands = overrides.commands(problem, &plan)?;
     let periods = commands.periods();
@@ -169,6 +174,7 @@ where
     Space: Dimension<D>,
 {
     let options = arguments.run.options_for(problem)?;
+    expect_few_vectors(problem, &options)?;
     if options.engine != Engine::Pieces {
         bail!("--vectors goes with pieces: give --evaluate pieces");
     }
@@ -203,6 +209,12 @@ fn override_target(text: &str) -> Result<OverrideTarget, String> {
     let number = |text: &str| text.trim().parse::<f64>().ok();
     let parsed = text.split_once(':').and_then(|(time, percent)| Some((number(time)?, number(percent)?)));
     let (time_s, percent) = parsed.ok_or("expected S:PERCENT, as in 0.5:150")?;
+    if !OVERRIDE_TIME.holds(time_s) {
+        return Err(format!("the time {}", refusal(&OVERRIDE_TIME, time_s)));
+    }
+    if !OVERRIDE.holds(percent) {
+        return Err(format!("the override {}", refusal(&OVERRIDE, percent)));
+    }
     Ok(OverrideTarget { time_s, share: percent / 100.0 })
 }
 

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use anyhow::{Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
+use domains::{TABLES, markdown};
 use part_program::Machine;
 use serde::Serialize;
 
@@ -18,6 +19,10 @@ pub(crate) struct Arguments {
     /// The preset whose file is to be printed. Default: all presets, with their sources.
     #[arg(add = ArgValueCandidates::new(candidates::presets))]
     preset: Option<String>,
+    /// Print every key of every file, every word and every option that takes a number, with its unit, its domain and its default, as
+    /// tables in Markdown.
+    #[arg(long, conflicts_with_all = ["preset", "json"])]
+    keys: bool,
     #[command(flatten)]
     output: output::Output,
 }
@@ -34,6 +39,7 @@ struct Listed {
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let json = arguments.output.json;
     let text = match &arguments.preset {
+        None if arguments.keys => tables(),
         Some(name) => {
             let Some(preset) = named(name) else { bail!("unknown preset {name:?}: {}", expected(name)) };
             if json { serde_json::to_string_pretty(&preset.machine()?)? + "\n" } else { preset.text.into() }
@@ -49,6 +55,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     Ok(Ending::Good)
+}
+
+/// The tables of all keys, each below its title.
+fn tables() -> String {
+    let tables = TABLES.iter().map(|table| format!("## {}\n\n{}", table.title, markdown(table)));
+    tables.collect::<Vec<_>>().join("\n")
 }
 
 fn list(listed: &[Listed]) -> Result<String> {

@@ -2,6 +2,7 @@
 
 mod answer;
 mod baseline;
+mod bounds;
 mod candidates;
 mod check;
 mod compare;
@@ -17,6 +18,7 @@ mod interpolate;
 mod interrupt;
 mod machine;
 mod merge;
+mod numbers;
 mod output;
 mod papers;
 mod period_costs;
@@ -35,7 +37,7 @@ mod targets;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use ending::Ending;
 
@@ -112,7 +114,8 @@ enum Command {
 
 fn main() -> ExitCode {
     completions::answer(Arguments::command);
-    let arguments = match Arguments::try_parse() {
+    let matches = numbers::with_domains(Arguments::command()).try_get_matches();
+    let arguments = match matches.and_then(|mut matches| Arguments::from_arg_matches_mut(&mut matches)) {
         Ok(arguments) => arguments,
         Err(error) => return output::usage(&error),
     };

@@ -4,16 +4,19 @@ mod print;
 
 use anyhow::{Result, bail};
 use clap::Args;
+use domains::options::OVERSAMPLE;
 use format_compare::{Dimension, ExactPlan, MergeRow, PlanSummary, Problem, ProfileKind, Space};
 
+use crate::bounds::expect_an_end;
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
+use crate::numbers::whole;
 use crate::output;
 pub(crate) use crate::plan::print::in_all_directions;
 use crate::plan::print::{answer, csv, explained, side_by_side, stages};
 use crate::progress::Progress;
-use crate::run_arguments::{PlanArguments, expect_an_end};
+use crate::run_arguments::PlanArguments;
 
 /// Options of `plan`.
 #[derive(Args)]
@@ -29,7 +32,7 @@ pub(crate) struct Arguments {
         default_value_t = 1,
         requires = "out",
         conflicts_with = "json",
-        value_parser = clap::value_parser!(u32).range(1..=1000)
+        value_parser = whole::<u32>(&OVERSAMPLE)
     )]
     oversample: u32,
     /// Print every stage, with the parameters at its ends and the coefficients of its feed: about 130 columns.
@@ -91,7 +94,13 @@ where
         None => output::write(None, &text)?,
         path if arguments.output.json => output::write(path, &text)?,
         path => {
-            output::write(path, &csv(&plan.sampled(problem, arguments.oversample)?, summary.curves > 1)?)?;
+            let rows = plan.samples(problem, arguments.oversample)?;
+            let all = plan.periods() * u64::from(arguments.oversample);
+            let progress = Progress::planning();
+            output::write_by(path, |file| {
+                csv(file, rows, summary.curves > 1, |row| progress.periods(row, all))
+            })?;
+            progress.finish();
             output::write(None, &text)?;
         }
     }

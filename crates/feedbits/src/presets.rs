@@ -58,7 +58,7 @@ pub(crate) fn read(path: &Path) -> Result<Machine> {
     if let Some(word) = word.filter(|_| !path.exists()) {
         bail!("--machine {word}: no such preset and no such file: {}", expected(word));
     }
-    Ok(part_program::read_machine(&path.display().to_string(), &files::text(path)?)?)
+    Ok(part_program::read_machine(&path.display().to_string(), &files::text(path, files::MOST_OF_PART)?)?)
 }
 
 /// The preset of a name.

@@ -3,12 +3,15 @@
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCandidates;
-use format_compare::{Engine, LeastPeriods, MOST_PERIODS, Options, PlanIn, Problem, ProfileKind};
+use domains::options::{END_FEED, FLUCTUATION, PIECE_LENGTH, SOLVER_TOLERANCE, START_FEED, WINDOW};
+use format_compare::{Engine, Options, PlanIn, Problem, ProfileKind};
 use part_program::{Machine, Part};
 
+use crate::bounds::{expect_an_end, expect_few_pieces};
 use crate::candidates;
 use crate::formats::named;
 use crate::input::{AnyProblem, Input};
+use crate::numbers::number;
 use crate::output;
 
 /// Options for planning and running a part.
@@ -21,16 +24,16 @@ pub(crate) struct RunArguments {
     #[arg(long, value_enum)]
     solver: Option<SolverName>,
     /// Longest compiled piece, in mm.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 32.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 32.0, value_parser = number(&PIECE_LENGTH))]
     piece_length: f64,
     #[command(flatten)]
     plan: PlanArguments,
     /// Fluctuation that is good enough, in place of the machine file's `fluctuation_limit`.
-    #[arg(long, allow_negative_numbers = true, value_name = "RATIO")]
+    #[arg(long, allow_negative_numbers = true, value_name = "RATIO", value_parser = number(&FLUCTUATION))]
     fluctuation: Option<f64>,
     /// Fluctuation that the solver stops at. Default: the one that is good enough with de-boor and for `size`, else the
     /// format's resolution.
-    #[arg(long, allow_negative_numbers = true, value_name = "RATIO")]
+    #[arg(long, allow_negative_numbers = true, value_name = "RATIO", value_parser = number(&SOLVER_TOLERANCE))]
     solver_tolerance: Option<f64>,
 }
 
@@ -44,10 +47,10 @@ pub(crate) struct PlanArguments {
     #[arg(long, value_enum, default_value_t = ProfileName::Fastest)]
     profile: ProfileName,
     /// Feed at the start of the path, in mm/s.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0, value_parser = number(&START_FEED))]
     start_feed: f64,
     /// Feed at the end of the path, in mm/s.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0, value_parser = number(&END_FEED))]
     end_feed: f64,
     /// Look ahead no further than this, in mm, as a controller does that streams a long program: what a plan of so much of
     /// the path says becomes setpoints while the next is made. Plans from rest to rest.
@@ -55,7 +58,8 @@ pub(crate) struct PlanArguments {
         long,
         allow_negative_numbers = true,
         value_name = "MM",
-        conflicts_with_all = ["start_feed", "end_feed"]
+        conflicts_with_all = ["start_feed", "end_feed"],
+        value_parser = number(&WINDOW)
     )]
     window: Option<f64>,
 }
@@ -142,14 +146,6 @@ impl PlanArguments {
                     .with_context(|| format!("--plan-in {name}, where `same` is each format its own"))?,
             ),
         };
-        for (option, value) in [("--start-feed", self.start_feed), ("--end-feed", self.end_feed)] {
-            if !(value.is_finite() && value >= 0.0) {
-                bail!("{option} {value}: expected a feed of at least 0 mm/s");
-            }
-        }
-        if let Some(window) = self.window.filter(|window| !(*window > 0.0 && window.is_finite())) {
-            bail!("--window {window}: expected a positive length in mm");
-        }
         let end_feeds_mm_per_s = [self.start_feed, self.end_feed];
         Ok(Options { plan_in, profile, end_feeds_mm_per_s, window_mm: self.window, ..Options::default() })
     }
@@ -164,9 +160,8 @@ impl RunArguments {
 
     /// Reads the part and its machine. If the options give a fluctuation, it replaces the file's.
     pub(crate) fn part_and_machine(&self, input: &Input) -> Result<(Part, Machine)> {
-        let asked = ratio("--fluctuation", self.fluctuation)?;
         let (part, machine) = input.part_and_machine()?;
-        let fluctuation_limit = asked.unwrap_or(machine.fluctuation_limit);
+        let fluctuation_limit = self.fluctuation.unwrap_or(machine.fluctuation_limit);
         Ok((part, Machine { fluctuation_limit, ..machine }))
     }
 
@@ -197,13 +192,10 @@ impl RunArguments {
         let [profile] = *self.plan.profiles() else {
             bail!("--profile all goes with `plan`: expected one kind of transitions here");
         };
-        if !(self.piece_length > 0.0 && self.piece_length.is_finite()) {
-            bail!("--piece-length {}: expected a positive length in mm", self.piece_length);
-        }
         Ok(Options {
             engine: self.engines()?.pop().unwrap_or(Engine::Pieces),
             piece_length_mm: self.piece_length,
-            fluctuation: ratio("--solver-tolerance", self.solver_tolerance)?,
+            fluctuation: self.solver_tolerance,
             ..self.plan.options(profile)?
         })
     }
@@ -212,26 +204,8 @@ impl RunArguments {
     pub(crate) fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
         let options = self.options()?;
         expect_an_end(problem, &options)?;
+        expect_few_pieces(problem, &options)?;
         self.plan.note_window();
         Ok(options)
     }
-}
-
-/// A ratio that an option gives; `None` if it does not.
-fn ratio(option: &str, value: Option<f64>) -> Result<Option<f64>> {
-    match value {
-        Some(value) if !(value > 0.0 && value < 1.0) => {
-            bail!("{option} {value}: expected a ratio between 0 and 1")
-        }
-        within => Ok(within),
-    }
-}
-
-/// Refuses a problem that takes more periods than can be run, before it is planned.
-pub(crate) fn expect_an_end<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<()> {
-    let least = LeastPeriods::of(problem, options.end_feeds_mm_per_s);
-    if least.are_too_many() {
-        bail!("{}: {least}: expected at most {MOST_PERIODS}", problem.name);
-    }
-    Ok(())
 }

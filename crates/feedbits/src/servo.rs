@@ -1,6 +1,7 @@
 //! `feedbits servo`: how the machine follows each format's setpoints.
 
 mod arguments;
+mod bounds;
 mod circle;
 mod paper;
 mod print;
@@ -44,7 +45,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
             (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
         }
     };
-    let test = circle_test(arguments, period)?;
+    let test = circle_test(arguments, &servo, period)?;
     let circle = circle(&servo, &test)?;
     let Tuning { rows: tuning, left_out } = tuning_table(&[servo; 2], &test).context("tuning table")?;
     progress.finish();
@@ -88,9 +89,8 @@ fn ending(report: &Report) -> Ending {
 
 fn parameters(path: Option<&PathBuf>) -> Result<ServoParameters> {
     match path {
-        Some(path) => {
-            ServoParameters::from_toml(&files::text(path)?).with_context(|| path.display().to_string())
-        }
+        Some(path) => ServoParameters::from_toml(&files::text(path, files::MOST_OF_SMALL)?)
+            .with_context(|| path.display().to_string()),
         None => ServoParameters::from_toml(EXAMPLE).context("built-in servo example"),
     }
 }

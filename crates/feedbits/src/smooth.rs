@@ -4,14 +4,16 @@ mod print;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
-use nurbs_core::{CornerLambda, CornerStyle, MOST_CORNER_LAMBDA};
+use domains::options::{CORNER_LAMBDA, SMOOTH_TOLERANCE};
+use nurbs_core::{CornerLambda, CornerStyle};
 use part_program::Dialect;
 use path_smooth::{Options, ProgramError, Smoothed};
 
 use crate::ending::Ending;
 use crate::input::Input;
+use crate::numbers::{number, within};
 use crate::output;
 use crate::progress::Progress;
 
@@ -21,7 +23,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     input: Input,
     /// Largest distance between the smoothed path and the program's moves, both ways, in mm.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM")]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM", value_parser = number(&SMOOTH_TOLERANCE))]
     tolerance: f64,
     /// Outer corners, which turn the way that their outline turns: in a loop around the corner, or cut like the others. Those of less
     /// than 30° are cut in any case.
@@ -29,8 +31,8 @@ pub(crate) struct Arguments {
     outer: Outer,
     /// Shape factor λ of the corners' splines, from -2 to 2; or `auto`: for each corner the λ with the greatest least
     /// radius, so that its slowest place is as fast as the tolerance allows.
-    #[arg(long, allow_negative_numbers = true, value_name = "LAMBDA", default_value = "1")]
-    lambda: String,
+    #[arg(long, allow_negative_numbers = true, value_name = "LAMBDA", default_value = "1", value_parser = lambda)]
+    lambda: CornerLambda,
     /// Write the smoothed path: curves if the name ends in .toml, else a program of fine straight moves.
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -54,10 +56,7 @@ enum Outer {
 /// Smooths, measures and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let tolerance_mm = arguments.tolerance;
-    if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
-        bail!("--tolerance {tolerance_mm}: expected a positive length in mm");
-    }
-    let lambda = lambda(&arguments.lambda)?;
+    let lambda = arguments.lambda;
     let (part, machine) = arguments.input.part_and_machine()?;
     let outer = match arguments.outer {
         Outer::Loop => CornerStyle::Loop,
@@ -86,16 +85,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 }
 
 /// The shape factor that `--lambda` names.
-fn lambda(text: &str) -> Result<CornerLambda> {
+fn lambda(text: &str) -> Result<CornerLambda, String> {
     if text == "auto" {
         return Ok(CornerLambda::Auto);
     }
-    match text.parse().map(CornerLambda::Given) {
-        Ok(lambda) if lambda.is_in_range() => Ok(lambda),
-        _ => bail!(
-            "--lambda {text}: expected `auto` or a number from -{MOST_CORNER_LAMBDA} to {MOST_CORNER_LAMBDA}"
-        ),
-    }
+    within(&CORNER_LAMBDA, text).map(CornerLambda::Given).map_err(|expected| format!("{expected}, or `auto`"))
 }
 
 /// The form in which the path is written.

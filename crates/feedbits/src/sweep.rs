@@ -9,6 +9,8 @@ use std::sync::Mutex;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
+use domains::Key;
+use domains::options::{MOST_PERIODS, SHARDS, SWEEP_FEED, SWEEP_PERIOD, SWEEP_POINTS, SWEEP_SCALE};
 use format_compare::{
     Cost, Dimension, Engine, Format, JudgedRun, LeastPeriods, Options, PeriodCost, Problem, Space, Verdict,
     Watch,
@@ -17,9 +19,11 @@ use format_report::{Sweep, SweepCell, SweepCost, SweepResult};
 use part_program::{Curve, Machine, Move, Nurbs, Part};
 use target_cost::Target;
 
+use crate::bounds::{expect_an_end, expect_few_pieces};
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::Input;
+use crate::numbers::{refusal, whole};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::targets::TargetArguments;
@@ -34,13 +38,13 @@ pub(crate) struct Arguments {
     run: RunArguments,
     /// Interpolation periods, in ms: `lo..hi` in equal ratios, `lo..hi/N` with N points, or one value. Default: the
     /// machine's.
-    #[arg(long, allow_hyphen_values = true, value_name = "LO..HI")]
+    #[arg(long, allow_hyphen_values = true, value_name = "LO..HI", value_parser = span(&SWEEP_PERIOD))]
     period: Option<Span>,
     /// Commanded feeds, in mm/s, in the same form. Default: the part's or the machine's.
-    #[arg(long, allow_hyphen_values = true, value_name = "LO..HI")]
+    #[arg(long, allow_hyphen_values = true, value_name = "LO..HI", value_parser = span(&SWEEP_FEED))]
     feed: Option<Span>,
     /// Sizes of the part, in mm, in the same form: it is scaled until its largest extent is that. Default: as it is.
-    #[arg(long, allow_hyphen_values = true, value_name = "LO..HI")]
+    #[arg(long, allow_hyphen_values = true, value_name = "LO..HI", value_parser = span(&SWEEP_SCALE))]
     scale: Option<Span>,
     /// Points of each span that does not say.
     #[arg(
@@ -48,7 +52,7 @@ pub(crate) struct Arguments {
         allow_negative_numbers = true,
         value_name = "N",
         default_value_t = 5,
-        value_parser = clap::value_parser!(u16).range(1..=1000)
+        value_parser = whole::<u16>(&SWEEP_POINTS)
     )]
     points: u16,
     /// The formats to run, comma-separated. Default: all; see `feedbits formats`. Names in Q notation are
@@ -58,7 +62,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     targets: TargetArguments,
     /// The most periods of a run; a cell that needs more is left out, and says so.
-    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 100_000)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 100_000, value_parser = whole::<u32>(&MOST_PERIODS))]
     most_periods: u32,
     /// Run only the cells of shard i of n, as in 1/4; the first is 1. `feedbits merge` joins the files.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
@@ -90,10 +94,10 @@ impl FromStr for Span {
             text.trim().parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite()).ok_or_else(expected)
         };
         let (range, points) = match text.split_once('/') {
-            Some((range, points)) => (
-                range,
-                Some(points.trim().parse().ok().filter(|n| (1..=1000).contains(n)).ok_or_else(expected)?),
-            ),
+            Some((range, points)) => {
+                let points = points.trim().parse::<u16>().ok().filter(|n| SWEEP_POINTS.holds(f64::from(*n)));
+                (range, Some(points.ok_or_else(expected)?.into()))
+            }
             None => (text, None),
         };
         let Some((low, high)) = range.split_once("..") else {
@@ -137,9 +141,11 @@ impl FromStr for Shard {
     fn from_str(text: &str) -> Result<Self, String> {
         let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
         parts
-            .filter(|(index, count)| 1 <= *index && index <= count)
-            .map(|(index, count)| Self { index, count })
-            .ok_or_else(|| format!("{text:?}: expected I/N with 1 ≤ I ≤ N, as in 2/8"))
+            .filter(|(index, count)| {
+                index <= count && [*index, *count].iter().all(|n| SHARDS.holds(f64::from(*n)))
+            })
+            .map(|(index, count): (u32, u32)| Self { index: index as usize, count: count as usize })
+            .ok_or_else(|| format!("{text:?}: expected I/N with 1 ≤ I ≤ N ≤ 1,000,000, as in 2/8"))
     }
 }
 
@@ -157,18 +163,15 @@ impl Shard {
     }
 }
 
-/// The longest period, in ms, and the highest feed, in mm/s, that a machine file may give.
-const MOST: [f64; 2] = [1e3, 1e5];
-
-/// Refuses spans with values that a machine file may not give.
-fn expect_limits_of_a_machine(arguments: &Arguments) -> Result<()> {
-    let spans = [("--period", arguments.period, MOST[0], "ms"), ("--feed", arguments.feed, MOST[1], "mm/s")];
-    for (option, span, most, unit) in spans {
-        if let Some(Span { high, .. }) = span.filter(|span| span.high > most) {
-            bail!("{option} up to {high}: expected at most {most} {unit}, as in a machine file");
+/// A parser of a span whose ends are within the domain of an option.
+fn span(key: &'static Key) -> impl Fn(&str) -> Result<Span, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let span: Span = text.parse()?;
+        match [span.low, span.high].into_iter().find(|end| !key.holds(*end)) {
+            Some(end) => Err(refusal(key, end)),
+            None => Ok(span),
         }
     }
-    Ok(())
 }
 
 /// The part and the machine from which every cell is made.
@@ -183,7 +186,6 @@ struct Base {
 
 /// Sweeps, or continues where an earlier run ended.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    expect_limits_of_a_machine(arguments)?;
     let (part, machine) = arguments.run.part_and_machine(&arguments.input)?;
     if part.curves.iter().all(|curve| curve.dimension() == 2) {
         sweep::<2>(part, machine, arguments)
@@ -313,8 +315,8 @@ impl Base {
             sizes_mm: values(arguments.scale, self.extent_mm),
             runs: runs.map(|(format, engine)| format!("{} {engine}", format.name())).collect(),
         };
-        if plan.len() > 1_000_000 {
-            bail!("{} cells: expected at most a million", plan.len());
+        if plan.len() > sweep_file::MOST_CELLS {
+            bail!("{} cells: expected at most {}", plan.len(), sweep_file::MOST_CELLS);
         }
         Ok(plan)
     }
@@ -338,6 +340,12 @@ impl Base {
         let periods = LeastPeriods::of(&problem, options.end_feeds_mm_per_s).periods;
         if periods > f64::from(most_periods) {
             cell.skipped = Some(format!("takes {periods:.0} periods, more than {most_periods}"));
+            return Ok(cell);
+        }
+        if let Err(too_many) =
+            expect_few_pieces(&problem, options).and_then(|()| expect_an_end(&problem, options))
+        {
+            cell.skipped = Some(too_many.to_string());
             return Ok(cell);
         }
         match format_compare::compare_with(&problem, formats, engines, options, &Watch::default()) {
@@ -421,17 +429,12 @@ mod tests {
     /// The spans have the bounds of the machine file's own reader.
     #[test]
     fn spans_end_where_a_machine_file_does() {
-        let example = include_str!("../../../data/seed-000.toml");
-        for (key, own, most) in
-            [("interpolation_period_ms", "3.0", MOST[0]), ("feedrate_mm_per_s", "200.0", MOST[1])]
-        {
-            let with = |value: f64| {
-                let text = example.replace(&format!("{key} = {own}"), &format!("{key} = {value}"));
-                assert_ne!(text, example, "{key}");
-                part_program::read_machine("m", &text)
-            };
-            assert!(with(most).is_ok() && with(most * 1.001).is_err(), "{key}");
-        }
+        assert_eq!(SWEEP_PERIOD.value, domains::machine::PERIOD.value);
+        assert_eq!(SWEEP_FEED.value, domains::machine::FEEDRATE.value);
+        let parsed = span(&SWEEP_PERIOD);
+        assert!(parsed("1..1000").is_ok());
+        assert_eq!(parsed("1..1001"), Err("1001: expected a number of 0.001 to 1000 ms".into()));
+        assert!(parsed("1e-4..1").is_err());
     }
 
     /// The published test values of the hash.

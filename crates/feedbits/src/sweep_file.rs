@@ -75,6 +75,9 @@ pub(crate) fn read(path: &Path) -> Result<Found> {
     found.with_context(|| format!("{name}: expected the file of a sweep, found no line of it"))
 }
 
+/// Cells of a sweep, at most.
+pub(crate) const MOST_CELLS: usize = 1_000_000;
+
 /// The sweep's parameters, and the cells in the file.
 type Found = (Sweep, Vec<SweepCell>);
 
@@ -87,6 +90,9 @@ fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<Found>, Lines<S>)
     }
     let plan: Sweep = serde_json::from_slice(&lines.last)
         .with_context(|| format!("{name}, line 1: expected what is swept, as `feedbits sweep` writes it"))?;
+    if plan.len() > MOST_CELLS {
+        bail!("{name}, line 1: a sweep of {} cells: expected at most {MOST_CELLS}", plan.len());
+    }
     let mut cells = Vec::new();
     while lines.advance(name)? {
         let number = lines.number;

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
+use domains::options::{DIVIDERS, MULTIPLIERS};
 use serde::Serialize;
 use target_cost::{Calibration, Confidence, Kind, Known, Measure, Prediction, Target, built_in};
 
 use crate::ending::Ending;
+use crate::numbers::whole;
 use crate::screen::{self, labelled, short};
 use crate::{candidates, files, output};
 
@@ -42,21 +44,16 @@ pub(crate) struct TargetArguments {
     #[arg(long, value_name = "FILE")]
     target_file: Vec<PathBuf>,
     /// Multipliers on an FPGA.
-    #[arg(long, allow_negative_numbers = true, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = whole::<u32>(&MULTIPLIERS))]
     multipliers: Option<u32>,
     /// Dividers on an FPGA.
-    #[arg(long, allow_negative_numbers = true, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = whole::<u32>(&DIVIDERS))]
     dividers: Option<u32>,
 }
 
 impl TargetArguments {
     /// The targets in the order of the options; targets of files that are not named come last.
     pub(crate) fn read(&self) -> Result<Vec<Target>> {
-        for (option, value) in [("--multipliers", self.multipliers), ("--dividers", self.dividers)] {
-            if value == Some(0) {
-                bail!("{option} 0: expected at least 1");
-            }
-        }
         let from_files = files(&self.target_file)?;
         let known: Vec<Target> = from_files.iter().cloned().chain(built_in()?).collect();
         let mut chosen: Vec<Target> = Vec::new();
@@ -87,7 +84,10 @@ impl TargetArguments {
 }
 
 fn files(paths: &[PathBuf]) -> Result<Vec<Target>> {
-    paths.iter().map(|path| Ok(Target::read(&path.display().to_string(), &files::text(path)?)?)).collect()
+    paths
+        .iter()
+        .map(|path| Ok(Target::read(&path.display().to_string(), &files::text(path, files::MOST_OF_SMALL)?)?))
+        .collect()
 }
 
 fn unknown(name: &str, known: &[Target]) -> String {

@@ -1,6 +1,7 @@
 //! What `feedbits plan` prints: answer, tables, and samples as CSV.
 
 use std::fmt::Write;
+use std::io;
 
 use anyhow::Result;
 use format_compare::{AxisPeak, FeedSample, MergeRow, OverLimits, PlanSummary, Problem, StageRow};
@@ -310,15 +311,24 @@ fn curves(stage: &StageRow) -> String {
 }
 
 /// The samples. If there are several curves, the number of the curve that u belongs to is added.
-pub(crate) fn csv(samples: &[FeedSample], has_curves: bool) -> Result<String> {
+pub(crate) fn csv(
+    to: &mut dyn io::Write,
+    samples: impl Iterator<Item = FeedSample>,
+    has_curves: bool,
+    written: impl Fn(u64),
+) -> Result<()> {
     let curve_column = if has_curves { "curve," } else { "" };
-    let mut text = format!(
-        "time_s,distance_mm,{curve_column}u,feed_mm_per_s,acceleration_mm_per_s2,jerk_mm_per_s3,limit_mm_per_s\n"
-    );
-    for s in samples {
+    writeln!(
+        to,
+        "time_s,distance_mm,{curve_column}u,feed_mm_per_s,acceleration_mm_per_s2,jerk_mm_per_s3,limit_mm_per_s"
+    )?;
+    for (s, row) in samples.zip(1..) {
+        if row % 4096 == 0 {
+            written(row);
+        }
         let curve = if has_curves { format!("{},", s.curve) } else { String::new() };
         writeln!(
-            text,
+            to,
             "{},{},{curve}{},{},{},{},{}",
             s.time_s,
             s.distance_mm,
@@ -329,5 +339,5 @@ pub(crate) fn csv(samples: &[FeedSample], has_curves: bool) -> Result<String> {
             s.limit_mm_per_s
         )?;
     }
-    Ok(text)
+    Ok(())
 }

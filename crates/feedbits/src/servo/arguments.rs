@@ -4,13 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap_complete::ArgValueCandidates;
+use domains::options::{CIRCLE, CIRCLE_FEED};
 
 use crate::input::Input;
+use crate::numbers::number;
 use crate::run_arguments::RunArguments;
 use crate::{candidates, output};
-
-/// Periods that are simulated, at most: every sample of the axes is kept.
-pub(super) const MOST_SIMULATED: u64 = 1 << 24;
 
 /// Options of `servo`.
 #[derive(Args)]
@@ -27,10 +26,10 @@ pub(crate) struct Arguments {
     #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(candidates::formats))]
     pub(super) formats: Vec<String>,
     /// Radius of the circle test, in mm.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 10.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 10.0, value_parser = number(&CIRCLE))]
     pub(super) circle: f64,
     /// Feedrate of the circle test, in mm/min, as an F word has it.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_MIN", default_value_t = 4000.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_MIN", default_value_t = 4000.0, value_parser = number(&CIRCLE_FEED))]
     pub(super) feed: f64,
     /// Write the magnified roundness plot of the circle test to this SVG file.
     #[arg(long, value_name = "FILE.svg")]

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use servo_sim::{
     CircleTest, FEED_FORWARDS, ServoError, ServoParameters, VELOCITY_GAINS_PERCENT, roundness_plot,
 };
 
-use super::arguments::{Arguments, MOST_SIMULATED};
+use super::arguments::Arguments;
+use super::bounds::expect_end_of_circles;
 use super::report::{CircleResult, LeftOut};
 use crate::output;
 
@@ -64,18 +65,11 @@ pub(super) fn by_reason(settings: &[servo_sim::LeftOut]) -> Vec<LeftOut> {
 }
 
 /// The circle test that the options name; one that would run for hours is refused.
-pub(super) fn circle_test(arguments: &Arguments, period: f64) -> Result<CircleTest> {
+pub(super) fn circle_test(arguments: &Arguments, servo: &ServoParameters, period: f64) -> Result<CircleTest> {
     let test = CircleTest { radius: arguments.circle, feedrate: arguments.feed / 60.0, period };
-    // One turn to settle and one to measure, in the servo's own setting and in each setting of the tuning table.
+    // In the servo's own setting, and in each setting of the tuning table.
     let runs = 1 + FEED_FORWARDS.len() * VELOCITY_GAINS_PERCENT.len();
-    let periods = 2.0 * test.setpoints_per_turn() * runs as f64;
-    if test.feedrate > 0.0 && periods > MOST_SIMULATED as f64 {
-        bail!(
-            "--circle {} at --feed {}: {periods:.3e} periods of {} ms in {runs} settings: expected at most {MOST_SIMULATED}",
-            arguments.circle,
-            arguments.feed,
-            period * 1000.0
-        );
-    }
+    let said = format!("--circle {} at --feed {}", arguments.circle, arguments.feed);
+    expect_end_of_circles(&said, servo, &test, runs)?;
     Ok(test)
 }

@@ -1,9 +1,10 @@
 //! Table 2 of paper D, printed and simulated.
 
 use anyhow::{Context, Result};
-use servo_sim::{PaperCircle, PaperRow, ServoParameters, paper_table};
+use servo_sim::{CircleTest, PaperCircle, PaperRow, ServoParameters, paper_table};
 
 use super::arguments::Arguments;
+use super::bounds::expect_end_of_circles;
 use super::print::micrometres;
 use crate::ending::Ending;
 use crate::output;
@@ -11,6 +12,8 @@ use crate::screen::{self, short};
 
 /// Runs the circle at the settings of the table and prints it.
 pub(super) fn print(servo: &ServoParameters, arguments: &Arguments) -> Result<Ending> {
+    // Four settings, each with two position gains.
+    expect_end_of_circles("table 2 of paper D", servo, &CircleTest::PAPER, 8)?;
     let rows = paper_table(servo).context("table 2 of paper D")?;
     let text = if arguments.output.json { serde_json::to_string_pretty(&rows)? + "\n" } else { shown(&rows) };
     output::write(arguments.output.out.as_deref(), &text)?;

@@ -3,11 +3,12 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use format_compare::{Dimension, ExactPlan, Format, LeastPeriods, Options, Problem, RunStep, Space};
+use format_compare::{Dimension, ExactPlan, Format, Options, Problem, RunStep, Space};
 use nurbs_core::{Evaluate, NurbsBuf};
 use servo_sim::{Arrival, ErrorSize, Servo, ServoParameters, contour_error};
 
-use super::arguments::{Arguments, MOST_SIMULATED};
+use super::arguments::Arguments;
+use super::bounds::expect_end_of_part;
 use super::circle::circle_test;
 use super::ramp::ramped_setpoints;
 use super::report::{FormatRow, Outcome};
@@ -23,17 +24,11 @@ where
     Space: Dimension<D>,
 {
     servo.validate(problem.period_s())?;
-    circle_test(arguments, problem.period_s())?;
+    circle_test(arguments, servo, problem.period_s())?;
     let engines = arguments.run.engines()?;
     let options = arguments.run.options_for(problem)?;
     expect_rest_at_the_ends(&options)?;
-    let least = LeastPeriods::of(problem, options.end_feeds_mm_per_s);
-    if least.periods > MOST_SIMULATED as f64 {
-        bail!(
-            "{}: {least}: expected at most {MOST_SIMULATED} in `servo`, which keeps every sample",
-            problem.name
-        );
-    }
+    expect_end_of_part(problem, servo, &options)?;
     let mut rows = Vec::new();
     for format in selected::<D>(&arguments.formats)? {
         let plan = format_compare::plan_for(problem, format.as_ref(), &options);
@@ -74,8 +69,7 @@ fn simulate<const D: usize>(
         Ok(run) => run,
         Err(reason) => return Ok(Outcome::Refused { refused: reason.to_string() }),
     };
-    let setpoints: Vec<[f64; D]> =
-        run.steps.iter().map(|step| core::array::from_fn(|d| step.point_mm[d])).collect();
+    let setpoints = run.steps.iter().map(|step| core::array::from_fn(|d| step.point_mm[d]));
     let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
     let (mut following, mut contour, mut arrival) = (Vec::new(), Vec::new(), Arrival::default());
     let ramp_periods = servo.feed_ramp_ms / 1000.0 / problem.period_s();
@@ -84,12 +78,12 @@ fn simulate<const D: usize>(
         let begin = own.first().context("the path has no curve")?;
         let servo =
             Servo::<f64, D>::try_new(&[*servo; D], problem.period_s(), begin.point(begin.domain().0))?;
-        let trace =
-            servo.run(ramped_setpoints(&problem.curves, first.start, &run.steps[stretch], ramp_periods)?)?;
-        following.push((trace.following_error(), trace.motion_samples));
-        contour.push((trace.contour_error(own)?, trace.motion_samples));
-        if trace.arrival().reach_mm >= arrival.reach_mm {
-            arrival = trace.arrival();
+        let setpoints = ramped_setpoints(&problem.curves, first.start, &run.steps[stretch], ramp_periods)?;
+        let followed = servo.follow(setpoints, own)?;
+        following.push((followed.following_error, followed.motion_samples));
+        contour.push((followed.contour_error, followed.motion_samples));
+        if followed.arrival.reach_mm >= arrival.reach_mm {
+            arrival = followed.arrival;
         }
     }
     let of_axis =

@@ -121,8 +121,8 @@ fn the_tolerance_of_straight_moves_is_asked_for() {
     let (coarse, fine) = (moves("0.1"), moves("0.001"));
     assert!((5..=20).contains(&(fine / coarse)), "{coarse} {fine}");
     for (arguments, said) in [
-        (vec!["--to", "g1", "--tolerance", "0"], "--tolerance 0"),
-        (vec!["--to", "g1", "--tolerance", "1e-15"], "give a larger one"),
+        (vec!["--to", "g1", "--tolerance", "0"], "'--tolerance <MM>': expected a number of 1e-9 to 100 mm"),
+        (vec!["--to", "g1", "--tolerance", "1e-15"], "expected a number of 1e-9 to 100 mm"),
         (vec!["--to", "step"], "possible values: g06.2, g5.2, g1, toml"),
         (vec![], "--to"),
     ] {
@@ -267,8 +267,16 @@ fn what_rounding_would_break_is_refused() {
         (FINE, ["--to", "toml", "--digits", "3"], "a curve file keeps every number bit by bit"),
         (FINE, ["--to", "g1", "--ratios", "9.9"], "--ratios: no knots and weights are rounded there"),
         (FINE, ["--to", "g06.2", "--ratios", "9e5"], "expected the largest knot that a control takes"),
-        (FINE, ["--to", "g1", "--digits", "16"], "16 is not in 0..=15"),
-        (FINE, ["--to", "g1", "--digits", "-1"], "-1 is not in 0..=15"),
+        (
+            FINE,
+            ["--to", "g1", "--digits", "16"],
+            "'16' for '--digits <N>': expected a whole number of 0 to 15",
+        ),
+        (
+            FINE,
+            ["--to", "g1", "--digits", "-1"],
+            "'-1' for '--digits <N>': expected a whole number of 0 to 15",
+        ),
         (circle, ["--to", "g06.2", "--digits", "3"], "the curve of line 3 would stand still with 3 decimals"),
         (circle, ["--to", "g5.2", "--digits", "3"], "the curve of line 3 would stand still with 3 decimals"),
         (
@@ -348,9 +356,12 @@ fn a_fit_that_cannot_be_is_refused_and_nothing_is_written() {
     fs::write(&square, "G0 X0 Y0\nG1 X9 F600\nG1 Y9\nG1 X0\nG1 Y0\n").expect("the folder is writable");
     for (options, expected) in [
         (&["--fit", "0.01"][..], "--fit 0.01: nothing is written: no curve is made of 4 straight moves"),
-        (&["--fit", "0"], "--fit 0: expected a positive length in mm"),
-        (&["--fit", "-1"], "--fit -1: expected a positive length in mm"),
-        (&["--fit", "1", "--corner", "120"], "expected degrees above 0, at most 90"),
+        (&["--fit", "0"], "'0' for '--fit <MM>': expected a number of 1e-9 to 100 mm"),
+        (&["--fit", "-1"], "'-1' for '--fit <MM>': expected a number of 1e-9 to 100 mm"),
+        (
+            &["--fit", "1", "--corner", "120"],
+            "'120' for '--corner <DEGREES>': expected a number of 0.01 to 90 °",
+        ),
         (&["--fit", "1", "--to", "g1"], "expected --to g06.2, g5.2 or toml"),
         (&["--to", "toml", "--corner", "20"], "--fit"),
         (&[], "--to"),

@@ -132,10 +132,13 @@ fn a_slower_run_lands_on_every_stop() {
 fn overrides_out_of_range_are_refused() {
     for (arguments, reason) in [
         (&["--override", "1:0"][..], "the last override is 0 %"),
-        (&["--override", "1:250"], "override 250 %: expected 0 to 200 %"),
-        (&["--override", "2:50,1:100"], "override at 1 s: expected times from 0 on, in order"),
+        (&["--override", "1:250"], "the override 250: expected 0, or a number of 1 to 200 %"),
+        (&["--override", "2:50,1:100"], "override at 1 s: expected a number of 0 to 86400 s, in order"),
         (&["--override", "1"], "expected S:PERCENT, as in 0.5:150"),
-        (&["--override", "1:50", "--reserve", "0"], "reserve 0 %: expected more than 0 and less than 100 %"),
+        (
+            &["--override", "1:50", "--reserve", "0"],
+            "'--reserve <PERCENT>': expected a number of 0.1 to 99 %",
+        ),
         (&["--override", "1:50", "--solver", "secant"], "--override goes with pieces"),
         (&["--override", "1:50", "--start-feed", "100"], "cannot be used with"),
         (&["--override", "1:50", "--end-feed", "100"], "cannot be used with"),

@@ -131,7 +131,7 @@ fn a_window_is_hardly_slower_when_it_is_long_enough() {
     assert!(narrow >= whole - 0.006, "{narrow} against {whole}");
     let refused = feedbits(&["plan", "--window", "0"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(unfolded(&refused.stderr).contains("--window 0: expected a positive length"));
+    assert!(unfolded(&refused.stderr).contains("'--window <MM>': expected a number of 0.01 to 1e7 mm"));
 }
 
 /// `u end 0` and the following `u start 1` belong to two curves; the output once did not say to which.

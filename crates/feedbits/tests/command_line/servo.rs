@@ -90,7 +90,7 @@ fn a_loop_that_cannot_be_is_refused_by_name() {
     }
     let output = servo(&["--circle", "0"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(unfolded(&output.stderr).contains("radius"), "{}", unfolded(&output.stderr));
+    assert!(unfolded(&output.stderr).contains("'--circle <MM>'"), "{}", unfolded(&output.stderr));
 }
 
 /// A quarter of a circle of 5 mm at 50 mm/s, on a machine and with a drive in files beside it.

@@ -296,8 +296,8 @@ fn what_cannot_be_smoothed_is_said() {
     let folder = Folder::with("G1 X0 Y0 F600\nX5\nY5\n");
     let (part, machine) = (folder.path("part.nc"), data("seed-000.toml"));
     for (options, expected) in [
-        (&["--tolerance", "0"][..], "expected a positive length in mm"),
-        (&["--tolerance", "nan"], "expected a positive length in mm"),
+        (&["--tolerance", "0"][..], "'--tolerance <MM>': expected a number of 1e-9 to 100 mm"),
+        (&["--tolerance", "nan"], "'--tolerance <MM>': expected a number of 1e-9 to 100 mm"),
         (&["--tolerance", "0.1", "--outer", "round"], "possible values: loop, cut"),
         (&[], "--tolerance <MM>"),
     ] {

@@ -329,10 +329,10 @@ fn a_sweep_of_another_program_is_not_resumed() {
 fn spans_and_points_have_bounds() {
     let folder = folder();
     for (arguments, words) in [
-        (["--points", "999999999999"], "1..=1000"),
-        (["--points", "0"], "1..=1000"),
-        (["--period", "1..5000"], "--period up to 5000: expected at most 1000 ms"),
-        (["--feed", "1e9"], "--feed up to 1000000000: expected at most 100000 mm/s"),
+        (["--points", "999999999999"], "expected a whole number of 1 to 1000"),
+        (["--points", "0"], "expected a whole number of 1 to 1000"),
+        (["--period", "1..5000"], "'--period <LO..HI>': 5000: expected a number of 0.001 to 1000 ms"),
+        (["--feed", "1e9"], "'--feed <LO..HI>': 1000000000: expected a number of 1e-6 to 1e5 mm/s"),
         (["--feed", "-1"], "expected a positive number"),
     ] {
         let refused = feedbits_in(folder.path(), &[&["sweep", "p.toml"], &arguments[..]].concat());

@@ -123,7 +123,7 @@ fn a_target_of_ones_own_is_read_and_a_format_that_does_not_fit_the_period_fails(
     let message = unfolded(&output.stderr);
     assert!(
         message.contains("relay.toml")
-            && message.contains("operation add")
+            && message.contains("operation 1: cycles")
             && message.contains("typical = 0")
     );
     let output = feedbits(&["compare", "--targets", "relay"]);

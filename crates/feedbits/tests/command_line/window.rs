@@ -72,10 +72,10 @@ fn every_command_that_runs_a_plan_takes_a_window_and_says_so() {
         assert!(output.status.success(), "{command:?}: {}", unfolded(&output.stderr));
         let said = unfolded(&output.stderr);
         assert!(said.contains("with 20 mm of the path in view at a time"), "{command:?}: {said}");
-        for (window, said) in [("0", "0"), ("-1", "-1"), ("nan", "NaN"), ("inf", "inf")] {
+        for window in ["0", "-1", "nan", "inf"] {
             let refused = feedbits(&[command, &["--window", window]].concat());
             assert_eq!(refused.status.code(), Some(2), "{command:?} {window}");
-            let expected = format!("--window {said}: expected a positive length in mm");
+            let expected = format!("'{window}' for '--window <MM>': expected a number of 0.01 to 1e7 mm");
             assert!(unfolded(&refused.stderr).contains(&expected), "{}", unfolded(&refused.stderr));
         }
         let refused = feedbits(&[command, &["--window", "20", "--end-feed", "10"]].concat());
