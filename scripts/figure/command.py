@@ -22,7 +22,7 @@ PICTURES = {
 
 # Tests that compare with a file of expected figures.
 EXPECTED = [
-    "cargo test --quiet --package feedbits --test terminal",
+    "cargo test --quiet --package feedbits --test command_line terminal",
     "cargo test --quiet --package feedbits-tests --test constants",
     "cargo test --quiet --package secant-interp --test interpolation checksums",
 ]
@@ -126,13 +126,12 @@ def main(words, about, root):
     given = arguments(words, about)
     is_wanted = lambda name: name in given.names or (not given.names and (given.all or name in RENDERED or SCRIPTS[name].is_quick))
     failed = [name for name, script in SCRIPTS.items() if is_wanted(name) and not done(name, script, given, root)]
-    rendered = [name for name in RENDERED if is_wanted(name)]
-    if rendered and not render(rendered, given, root):
-        failed += rendered
     if failed:
         words = "not as they should be" if given.check else "not written, or not all of them"
         print(f"scripts/figures: {words}: {', '.join(failed)}", file=sys.stderr)
-    return 1 if failed else 0
+    rendered = [name for name in RENDERED if is_wanted(name)]
+    is_good = not rendered or render(rendered, given, root)
+    return 0 if is_good and not failed else 1
 
 
 def done(name, script, given, root):
@@ -157,11 +156,12 @@ def render(names, given, root):
         RENDERED[name](pages, binary)
     changed = pages.changed()
     print("".join(f"scripts/figures: {fault}\n" for fault in pages.faults), end="", file=sys.stderr)
-    if given.check:
-        print(pages.differences(), end="")
-    else:
+    if not given.check:
         pages.write()
         print("".join(f"scripts/figures: wrote {path}\n" for path in changed), end="")
-    if not changed:
+    elif changed:
+        print(pages.differences(), end="")
+        print(f"scripts/figures: not as they should be: {', '.join(changed)}; `scripts/figures` writes them anew", file=sys.stderr)
+    if not changed and not pages.faults:
         print(f"scripts/figures: {', '.join(names)}: nothing differs")
     return not pages.faults and not (given.check and changed)

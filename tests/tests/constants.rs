@@ -95,7 +95,8 @@ fn written() -> [Constants; 6] {
 
 /// A module without its constant `CHECKSUM`.
 fn without_checksum(source: &str) -> String {
-    let (before, rest) = source.split_once("/// `secant_interp::PositionChecksum` of all").expect("a checksum");
+    let (before, rest) =
+        source.split_once("/// `secant_interp::PositionChecksum` of all").expect("a checksum");
     let (item, after) = rest.split_once("\n\n").expect("an item and others below it");
     assert!(item.contains("pub const CHECKSUM: u64 = 0x"), "{item}");
     before.to_owned() + after

@@ -97,8 +97,7 @@ where
     } else if arguments.wide {
         table(comparison) + &period_costs::tables(comparison, targets, None)
     } else {
-        let first = targets.first().map(|target| target.name.as_str());
-        answer::screen(comparison, &shown, first) + &period_costs::tables(comparison, targets, Some(&shown))
+        first_screen(comparison, &shown, targets)
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     if let Some(folder) = &arguments.report {
@@ -107,6 +106,12 @@ where
     }
     let ending = if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet };
     baseline.map_or(Ok(ending), |baseline| baseline.judge(comparison, ending))
+}
+
+/// The answer, the formats that ran by one of `engines`, and what their periods cost on the targets.
+pub(crate) fn first_screen(comparison: &Comparison, engines: &[Engine], targets: &[Target]) -> String {
+    let first = targets.first().map(|target| target.name.as_str());
+    answer::screen(comparison, engines, first) + &period_costs::tables(comparison, targets, Some(engines))
 }
 
 /// Adds to the runs why no format is good, what a period costs on the targets, and, if it is asked for, the fewest bits.

@@ -13,6 +13,8 @@ mod ending;
 mod examples;
 mod files;
 mod formats;
+#[cfg(test)]
+mod frozen;
 mod input;
 mod interpolate;
 mod interrupt;

@@ -169,7 +169,8 @@ fn answer(sizing: &Sizing) -> String {
     }
 }
 
-fn report(sizing: &Sizing) -> String {
+/// The result of a search without its costs on targets.
+pub(crate) fn report(sizing: &Sizing) -> String {
     let point = |point: &FrontPoint| {
         let good = if point.good { "good enough" } else { "" };
         vec![

@@ -26,7 +26,7 @@ pub struct Requirement {
     pub at: Option<PeriodEnd>,
     /// The message for a requirement that is not kept.
     #[serde(skip)]
-    pub(crate) broken: String,
+    pub broken: String,
 }
 
 /// The end of a period of a run.
