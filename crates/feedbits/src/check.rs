@@ -7,7 +7,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::io::Write as _;
 
 use anyhow::Result;
 use clap::Args;
@@ -133,7 +132,7 @@ impl<'p> Report<'p> {
         };
         let (seen, joints) = (&self.seen, || self.seen.joints.iter());
         say("gap in the path", &mut joints().filter(|joint| joint.gap_mm > GAP_MM).map(|joint| joint.line));
-        let in_spline = |joint: &&Joint| joint.knot.is_some() && part.curves[joint.curve].degree() > 1;
+        let in_spline = |joint: &Joint| joint.knot.is_some() && part.curves[joint.curve].degree() > 1;
         say("corner inside a spline", &mut joints().filter(in_spline).map(|joint| joint.line));
         say("move at feed that ends where it starts", &mut seen.standstills.iter().copied());
         let slow = self.slow_bends.iter();

@@ -139,12 +139,12 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
         parts
             .filter(|(index, count)| {
                 index <= count && [*index, *count].iter().all(|n| SHARDS.holds(f64::from(*n)))
             })
-            .map(|(index, count): (u32, u32)| Self { index: index as usize, count: count as usize })
+            .map(|(index, count)| Self { index: index as usize, count: count as usize })
             .ok_or_else(|| format!("{text:?}: expected I/N with 1 ≤ I ≤ N ≤ 1,000,000, as in 2/8"))
     }
 }

@@ -352,8 +352,8 @@ fn what_a_number_or_a_file_costs_is_bounded() {
         (vec!["interpolate", "--override", "0:1e-9"], "--override"),
         (vec!["interpolate", "--override", "0:0,1e300:100"], "--override"),
         (vec!["servo", "--servo", &servo], "velocity_lag_ms = 1000000000"),
-        (vec!["servo", "--servo", &slow_servo], "by fewer `sub_steps`"),
-        (vec!["servo", "--paper-table", "--servo", &slow_servo], "by fewer `sub_steps`"),
+        (vec!["servo", "--servo", &slow_servo], "`sub_steps`"),
+        (vec!["servo", "--paper-table", "--servo", &slow_servo], "`sub_steps`"),
         (vec!["compare", "--baseline", "/dev/zero"], "/dev/zero begins with 512 bytes of 0"),
         (vec!["check", "/dev/zero"], "/dev/zero begins with 512 bytes of 0"),
         (vec!["servo", "--servo", "/dev/zero"], "/dev/zero"),
@@ -373,7 +373,7 @@ fn what_a_text_costs_is_bounded() {
     let repeated = |head: &str, each: &str, tail: &str, bytes: usize| {
         format!("{head}{}{tail}", each.repeat(bytes / each.len()))
     };
-    const LENGTH: usize = 8 << 20;
+    const LENGTH: usize = 4 << 20;
     let curve =
         "[[curve]]\ndegree = 1\ncontrol_points_mm = [[0.125, 0.25], [1.5, 1.75]]\nknots = [0, 0, 1, 1]\n";
     let one = |key: &str, each: &str| {

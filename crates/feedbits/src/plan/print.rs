@@ -1,6 +1,5 @@
 //! What `feedbits plan` prints: answer, tables, and samples as CSV.
 
-use std::fmt::Write;
 use std::io;
 
 use anyhow::Result;

@@ -270,13 +270,13 @@ impl OverrideCommands {
 
     /// About how many periods the run takes: as many as if each rate held from its period on.
     fn about(&self, planned: u64) -> f64 {
-        let (mut left, mut time, mut share) = (planned as f64, 0.0, self.start.share());
+        let (mut left, mut time, mut share) = (planned as f64, 0.0, self.start.share::<f64>());
         for (from, rate) in &self.targets {
             let passed = (from - time) * share;
             if passed >= left {
                 break;
             }
-            (left, time, share) = (left - passed, *from, rate.share());
+            (left, time, share) = (left - passed, *from, rate.share::<f64>());
         }
         time + left / share
     }
