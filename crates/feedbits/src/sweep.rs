@@ -139,7 +139,8 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
+        let parts =
+            text.split_once('/').and_then(|(i, n)| Some((i.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
         parts
             .filter(|(index, count)| {
                 index <= count && [*index, *count].iter().all(|n| SHARDS.holds(f64::from(*n)))
