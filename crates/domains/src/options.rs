@@ -32,9 +32,9 @@ pub const SOLVER_TOLERANCE: Key =
 /// Samples of `plan --out`.
 pub const OVERSAMPLE: Key =
     Key::whole("--oversample", [1, 1000], "a period", "samples in the file of `plan`").or(1.0);
-/// Times of overrides: a day.
+/// Times of overrides: eleven days.
 pub const OVERRIDE_TIME: Key =
-    Key::number("--override S", Domain::of(0.0, 86_400.0, "s"), "from when on an override holds");
+    Key::number("--override S", Domain::of(0.0, 1e6, "s"), "from when on an override holds");
 /// Overrides, 0 is feed hold.
 pub const OVERRIDE: Key = Key::number(
     "--override PERCENT",

@@ -385,7 +385,7 @@ fn bad_usage_is_explained() {
         (vec!["plan", "--oversample", "3", "--out", "s.csv", "--json"], "--json"),
         (vec!["plan", "--window", "-1"], "'--window <MM>': expected a number of 0.01 to 1e7 mm"),
         (vec!["plan", "--oversample", "-1"], "expected a whole number of 1 to 1000 a period"),
-        (vec!["interpolate", "--override", "-1:50,2:100"], "the time -1: expected a number of 0 to 86400 s"),
+        (vec!["interpolate", "--override", "-1:50,2:100"], "the time -1: expected a number of 0 to 1e6 s"),
         (
             vec!["interpolate", "--override", "1:50,2:100", "--reserve", "-1"],
             "'--reserve <PERCENT>': expected a number of 0.1 to 99 %",
