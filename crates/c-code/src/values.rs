@@ -255,6 +255,11 @@ impl Values {
         self.degree <= MOST_UNROLLED
     }
 
+    /// Whether a piece ends at a joint of this name. Where the code asks for corners, a piece ends at one.
+    pub(crate) fn has_joint(&self, name: &str) -> bool {
+        self.pieces.iter().any(|row| row.joint == name)
+    }
+
     /// Whether a factor of order one may be split at 14 bits, so that its products need no word of 64.
     pub(crate) fn splits_factors(&self) -> bool {
         self.word_bits == 32 && (17..=28).contains(&self.fraction_bits)

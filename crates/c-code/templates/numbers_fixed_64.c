@@ -7,8 +7,9 @@
 typedef uint64_t word;
 
 typedef two_words wide;
-
+{% if uses.far_shifts %}
 #define WORD_BITS 64u
+{%- endif %}
 #define FRACTION_BITS {{ fraction_bits }}u
 #define NUMBER_MAX INT64_MAX
 #define NUMBER_MIN (-NUMBER_MAX - 1)

@@ -91,11 +91,13 @@ IN_PLACE int32_t exponent_of_first(const piece_row *row)
 {
     return (int32_t)row->coordinate_exponent - row->step_exponent{% if chord_exponent != 0 %} + {{ upper }}_CHORD_EXPONENT{% endif %};
 }
+{%- if degree > 1 || rational %}
 
 IN_PLACE int32_t exponent_per_power(const piece_row *row)
 {
     return (int32_t)row->range_exponent - row->step_exponent;
 }
+{%- endif %}
 {%- endif %}
 
 /* Writes the polynomials of the piece about t into `at`, which has those about another place of the same piece{% if !rational %}: the last

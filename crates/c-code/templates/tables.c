@@ -2,8 +2,12 @@
 
 /* How the path goes on at the end of a piece. */
 #define CONTINUES 0u /* a further part of the same polynomial */
+{%- if self.has_joint("SMOOTH") %}
 #define SMOOTH 1u    /* another polynomial in the same direction, or none */
+{%- endif %}
+{%- if self.has_joint("BREAKS") %}
 #define BREAKS 2u    /* the tangent breaks: what is left of a step goes on behind the corner as a chord of its own */
+{%- endif %}
 
 /* A short part of the path: C(t) = origin + 2^e N(t){% if rational %}/W(t){% endif %}, t from 0 to 1, with N(t) = sum(n_k t^k), k = 1 to p{% if rational %}, and
  * W(t) = sum(w_k t^k), k = 0 to p{% endif %}. */
