@@ -12,6 +12,7 @@ use std::hint::black_box;
 
 use chords::{Chords, look};
 use feedbits_benches::{paper_a, ten_points, thousand_points};
+use iai_callgrind as gungraun; // The macros write this name.
 use iai_callgrind::{library_benchmark, library_benchmark_group, main};
 
 // Paths are given back, lest their memory is freed while instructions are counted. All fields of a setpoint are asked for.

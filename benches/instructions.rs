@@ -7,6 +7,7 @@ use std::hint::black_box;
 
 use feed_plan::{EndFeeds, FeedLimit, KinematicLimits};
 use feedbits_benches::{Path, paper_a, ten_points, thousand_points, winding};
+use iai_callgrind as gungraun; // The macros write this name.
 use iai_callgrind::{library_benchmark, library_benchmark_group, main};
 use nurbs_core::{Evaluate, FastCurve, NurbsBuf, PiecesBuf};
 use real::{Backend, I8F24, I16F16, I16F48, I32F32, Real};

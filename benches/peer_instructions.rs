@@ -9,6 +9,7 @@ use std::hint::black_box;
 
 use contestants::{Asked, BASIS, BSPLINE, CURVO, Contestant, LOOKED_UP, REMEMBERED, TRUCK, contestants};
 use feedbits_benches::{Path, paper_a, ten_points, thousand_points};
+use iai_callgrind as gungraun; // The macros write this name.
 use iai_callgrind::{library_benchmark, library_benchmark_group, main};
 use nurbs_core::Evaluate;
 
