@@ -40,8 +40,6 @@
 
 #![allow(clippy::module_inception, reason = "a folder's main file has the folder's name")]
 
-#[cfg(test)]
-mod examples;
 mod refusal;
 
 mod problem {

@@ -168,13 +168,17 @@ pub(crate) fn requirements<const D: usize>(
 
 #[cfg(test)]
 mod tests {
+    use part_program::{read_machine, read_part};
+
     use super::*;
     use crate::Verdict;
-    use crate::examples::{EXAMPLE, judged, mill, on_example_machine};
 
     #[test]
     fn a_verdict_names_each_requirement_that_is_not_kept_and_no_other() {
-        let problem = on_example_machine::<2>(EXAMPLE, "");
+        let machine = "[machine]\ninterpolation_period_ms = 3.0\nfeedrate_mm_per_s = 200.0\nacceleration_mm_per_s2 = 5000.0\n\
+                       jerk_mm_per_s3 = 400000.0\nchord_error_mm = 0.0005\nfluctuation_limit = 1e-6\n";
+        let part = read_part("p.nc", "G0 X0 Y0\nG1 X10 F6000\n").unwrap();
+        let problem = Problem::<2>::new(&part, &read_machine("m.toml", machine).unwrap()).unwrap();
         let machine = &problem.machine;
         let (chord, limit) = (machine.chord_error_mm, machine.fluctuation_limit);
         let increment = machine.position_increment_mm;
@@ -215,20 +219,5 @@ mod tests {
             judged(|_, found, _| found.saturations = 3, 0.0),
             Verdict::Bad(vec!["3 overflows".into()])
         );
-    }
-
-    /// A print of 42 m of filament: at an absolute E of that size, f32 has steps of 4 µm, and 32 bits of fixed point
-    /// steps of 31 nm.
-    #[test]
-    fn the_filament_of_a_long_print_is_judged_like_a_position() {
-        let step = |format: &str| {
-            let print = "G21 M82\nG0 X0 Y0 Z0\nG92 E41990\nG1 X10 E42000 F3000\n";
-            let run = judged(&mill::<2>(print, "position_increment_mm = 0.001\n"), &[format]).remove(0);
-            let own = run.requirements.iter().find(|one| one.what == "step of the filament's position");
-            own.map(|own| (own.found, own.holds())).unwrap()
-        };
-        assert_eq!(step("f32"), (2.0_f64.powi(-8), false));
-        assert_eq!(step("I4F28"), (2.0_f64.powi(13 - 28), true));
-        assert!(step("f64").1);
     }
 }

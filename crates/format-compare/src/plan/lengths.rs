@@ -81,23 +81,49 @@ impl Iterator for Lengths<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::ExactPlan;
-    use crate::examples::on_example_machine;
+    use feed_plan::StageShape;
 
-    /// Stairs with a rest at each corner: the lengths from any period on are those of the whole plan, walked in one go.
+    use super::*;
+
+    /// A plan of three sections, of 4, 3 and 9 periods; the second has a joint at a whole period.
+    fn stages() -> Vec<Stage<DoubleDouble>> {
+        let feeds = [(0.0, 1.0, 2.5), (1.0, 0.0, 1.5), (0.0, 0.7, 2.0), (0.7, 0.0, 1.0)];
+        let last = [(0.0, 0.4, 1.25), (0.4, 0.4, 6.5), (0.4, 0.0, 1.25)];
+        let mut place = 0.0;
+        let stage = |&(start_feed, end_feed, duration): &(f64, f64, f64)| {
+            let (start, length) = (place, (start_feed + end_feed) / 2.0 * duration);
+            place += length;
+            let stage = Stage {
+                start,
+                length,
+                start_feed,
+                end_feed,
+                duration,
+                shape: StageShape::Cubic,
+                curve_start: 0,
+                u_start: 0.0,
+                curve_end: 0,
+                u_end: 0.0,
+            };
+            stage.map(DoubleDouble::from)
+        };
+        feeds.iter().chain(&last).map(stage).collect()
+    }
+
     #[test]
-    fn from_any_period_on_they_are_those_of_the_whole() {
-        let problem = on_example_machine::<3>("G1 X16 F6000\nY16\nX32.1\nG2 X42 Y26 I10\nG1 Y48\n", "");
-        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
-        let (schedule, mut cursor) = (plan.schedule(), plan.schedule().start());
+    fn from_any_period_on_they_are_those_of_the_whole_walked_in_one_go() {
+        let stages = stages();
+        let sections = section_periods(&stages);
+        let schedule = Schedule::new(&stages, DoubleDouble::from(1.0), 16);
+        let mut cursor = schedule.start();
         let whole: Vec<_> = std::iter::from_fn(|| {
             let length = schedule.advance(&mut cursor)?;
             Some((length, schedule.feed(&cursor).value()))
         })
         .collect();
-        assert!(whole.len() as u64 == plan.periods() && schedule.sections().count() > 2);
-        for period in [0, 1, whole.len() / 2, whole.len() - 1, whole.len(), whole.len() + 1] {
-            let found: Vec<_> = plan.lengths_from(period as u64).collect();
+        assert_eq!((whole.len(), sections.len()), (16, 3));
+        for period in 0..=17 {
+            let found: Vec<_> = Lengths::from(&stages, &sections, period as u64).collect();
             assert_eq!(found, whole.get(period..).unwrap_or_default(), "{period}");
         }
     }

@@ -41,22 +41,18 @@ pub(crate) fn group_and_meaning(signal: &str) -> (&'static str, &'static str) {
 
 #[cfg(test)]
 mod tests {
+    use nurbs_core::{NurbsBuf, PieceLimits, compile};
+
     use super::*;
-    use crate::examples::mill;
-    use crate::run::formats::{plan_for, select};
-    use crate::run::job::Job;
-    use crate::run::on_pieces;
-    use crate::run::options::Options;
 
     /// Every signal of two pieces with weights and a joint.
     fn bounded() -> Vec<&'static str> {
-        let part = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [10, 0], [10, 10], [20, 10]]\n\
-                    weights = [1, 0.8, 0.8, 1]\nknots = [0, 0, 0, 0.5, 1, 1, 1]\n";
-        let (problem, options) = (mill::<2>(part, ""), Options::default());
-        let plan = plan_for(&problem, select(&["f64"]).unwrap()[0].as_ref(), &options).unwrap();
-        let job = Job { problem: &problem, plan: &plan, options: &options };
-        let path = on_pieces::compiled::<f64, 2>(&job).unwrap();
-        path.table().bounds().iter().map(|bound| bound.signal).collect()
+        let points = vec![[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [20.0, 10.0]];
+        let knots = vec![0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0];
+        let curve = NurbsBuf::try_new(2, points, vec![1.0, 0.8, 0.8, 1.0], knots).unwrap();
+        let limits = PieceLimits { length_mm: 32.0, step_mm: 0.06 };
+        let table = compile::<f64, f64, 2>(&[curve.as_curve()], &limits).unwrap();
+        table.bounds().iter().map(|bound| bound.signal).collect()
     }
 
     #[test]

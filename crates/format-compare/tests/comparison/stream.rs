@@ -11,7 +11,7 @@ use secant_interp::{
 };
 
 /// The built-in example: one curve, and the machine of all parts here.
-const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
+const EXAMPLE: &str = include_str!("../../../../data/seed-000.toml");
 const IN_SPACE: &str =
     "G0 X0 Y0 Z5\nG1 Z0 F3000\nX20\nG2 X30 Y10 Z-1 R10\nG1 Y30\nX10 Y35 Z2\nG0 Z5\nX0 Y0\nG1 Z0\nX5 Y5\n";
 

@@ -1,11 +1,10 @@
-//! Problems and comparisons for tests.
+//! Problems and their runs.
 
+use format_compare::{Dimension, Engine, JudgedRun, Options, Problem, Space, compare, select};
 use part_program::{Machine, read_machine, read_part};
 
-use crate::{Engine, JudgedRun, Options, Problem, Space, compare, select};
-
 /// The built-in example.
-pub(crate) const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
+pub(crate) const EXAMPLE: &str = include_str!("../../../../data/seed-000.toml");
 
 const MILL: &str = "[machine]\ninterpolation_period_ms = 1.0\nfeedrate_mm_per_s = 50.0\n\
                     acceleration_mm_per_s2 = 1000.0\njerk_mm_per_s3 = 40000.0\nchord_error_mm = 0.001\n\
@@ -31,7 +30,7 @@ pub(crate) fn on_example_machine<const D: usize>(part: &str, more: &str) -> Prob
 /// The runs of a problem on pieces in these formats, judged.
 pub(crate) fn judged<const D: usize>(problem: &Problem<D>, formats: &[&str]) -> Vec<JudgedRun>
 where
-    Space: crate::Dimension<D>,
+    Space: Dimension<D>,
 {
     compare(problem, &select(formats).unwrap(), &[Engine::Pieces], &Options::default()).unwrap().formats
 }
