@@ -14,7 +14,7 @@
 //!
 //! # Source
 //! Piegl and Tiller, The NURBS Book, section 9.2.3, which has the same curve in another form. A drawing of known length
-//! shows that tangents have length 1 in this parameter: tests/cad.rs.
+//! shows that tangents have length 1 in this parameter: tests/programs/cad.rs.
 
 use crate::curve::{Curve, Nurbs};
 use crate::vector::{difference, length};

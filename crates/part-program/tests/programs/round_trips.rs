@@ -118,7 +118,7 @@ proptest! {
 
 #[test]
 fn what_is_cut_for_g5_2_has_the_points_of_the_curve() {
-    let paper = read_part("d.nc", include_str!("../../../data/seed-003.nc")).unwrap();
+    let paper = read_part("d.nc", include_str!("../../../../data/seed-003.nc")).unwrap();
     let cut = part(&write_g5_2(&at_feed(&paper.curves, Some(50.0))).unwrap());
     assert_eq!(cut.curves.len(), 7);
     assert_eq!(cut.feedrate_mm_per_s, Some(50.0));
@@ -272,6 +272,20 @@ fn what_a_program_does_not_hold_is_refused_with_what_it_would_take() {
         said.to_string(),
         "the tolerance takes at least 20447232 chords, and a program has at most 5000000: give a larger one"
     );
+}
+
+/// The last spans of a spline are points: it is written to where it last moves.
+#[test]
+fn a_spline_is_written_without_the_points_that_its_last_spans_are() {
+    let mut control_points_mm = vec![[0.0; 3]; 6];
+    control_points_mm[1][1] = -2.842_554_749_496_391_4e-10;
+    let end = 0.239_402_677_881_482_98;
+    let knots = vec![0.0, 0.0, 0.0, 0.01, 0.02, 0.03, end, end, end];
+    let curve =
+        Curve::from(Nurbs { degree: 2, control_points_mm, dimension: 2, weights: vec![1e-3; 6], knots });
+    let written = part(&write_g5_2(&at_feed(std::slice::from_ref(&curve), None)).unwrap());
+    assert_eq!(written.curves.len(), 2, "of four spans");
+    assert_eq!(written.curves[1].control_points_mm().last(), curve.control_points_mm().last());
 }
 
 /// Four equal control points of a cubic: the curve stands still over a span.

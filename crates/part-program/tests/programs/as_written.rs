@@ -42,7 +42,7 @@ fn polar_coordinates_of_linuxcnc() {
     for (end, [x, y]) in ends.iter().zip([[4.3301, 2.5], [3.8302, 3.2139]]) {
         assert!((end[0] - x).abs() < 1e-4 && (end[1] - y).abs() < 1e-4, "{ends:?}");
     }
-    let holes = crate::part("G20 G0 X1.5 Y0 Z0\nG91 G81 R.1 Z-.5 ^60 L6 F10\n");
+    let holes = self::part("G20 G0 X1.5 Y0 Z0\nG91 G81 R.1 Z-.5 ^60 L6 F10\n");
     let last = holes.curves.last().unwrap().control_points_mm()[1];
     assert!(
         (last[0] - 38.1).abs() < 1e-9 && last[1].abs() < 1e-9,

@@ -200,7 +200,7 @@ fn a_feed_per_revolution_needs_the_speed_of_the_spindle() {
     let feeds: Vec<_> = part.moves.iter().map(|one| one.feedrate_mm_per_s).collect();
     assert_eq!(feeds, [5.0, 5.0, 7.5, 5.0, 10.0, 15.0].map(Some));
     assert_eq!(part.feedrate_mm_per_s, Some(15.0));
-    let unknown = crate::part("G0 X0 Y0\nG95 F0.2\nG1 X10\n");
+    let unknown = self::part("G0 X0 Y0\nG95 F0.2\nG1 X10\n");
     let expected = [(3, "a feed per revolution of a spindle whose speed is not known: the move has none")];
     assert_eq!((unknown.moves[0].feedrate_mm_per_s, said(&unknown)), (None, expected.to_vec()));
     assert_eq!(

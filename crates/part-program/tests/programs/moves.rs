@@ -198,7 +198,7 @@ fn an_axis_begins_where_it_is_first_sent() {
     assert_eq!(ends(&part.curves[0]), ([0.0, 0.0, 5.0], [10.0, 0.0, 5.0]));
     assert_eq!(ends(&part.curves[1]), ([10.0, 0.0, 5.0], [10.0, 0.0, 3.0]));
     assert_eq!((part.curves.len(), part.curves[0].dimension(), part.standstills), (2, 3, vec![]));
-    assert_eq!(crate::part("G0 X7 Z5\nG1 X10\n").curves[0].control_points_mm()[0], [7.0, 0.0, 5.0]);
+    assert_eq!(self::part("G0 X7 Z5\nG1 X10\n").curves[0].control_points_mm()[0], [7.0, 0.0, 5.0]);
 }
 
 /// Increments are known wherever they start; two sides of a square were lost, and a plunge.

@@ -161,7 +161,7 @@ fn each_malformed_program_is_explained_at_its_place() {
     }
 }
 
-/// Every message as it is printed. `UPDATE_EXPECT=1 cargo test -p part-program --test malformed` writes what is said now.
+/// Every message as it is printed. `UPDATE_EXPECT=1 cargo test -p part-program --test programs malformed` writes what is said now.
 #[test]
 fn what_is_said_of_malformed_programs() {
     let said = |text: &str| {

@@ -167,7 +167,7 @@ proptest! {
 /// Both ways, for a curve whose samples are near enough to each other to stand for it.
 #[test]
 fn the_written_path_is_as_near_to_the_part_as_the_part_to_it() {
-    let part = read(include_str!("../../../data/seed-003.nc"));
+    let part = read(include_str!("../../../../data/seed-003.nc"));
     let samples = samples(&part.curves[0], 2000);
     for (decimals, tolerance) in [(0, 0.5), (1, 0.1), (3, 0.001)] {
         let (rounded, again, _) = rounded(&part, decimals, |part| write_g1(part, tolerance, None).unwrap());
@@ -182,7 +182,7 @@ fn the_written_path_is_as_near_to_the_part_as_the_part_to_it() {
 /// G5.2 cuts the curve at its knots: what is rounded are the pieces.
 #[test]
 fn pieces_are_as_near_as_stated() {
-    let part = read(include_str!("../../../data/seed-003.nc"));
+    let part = read(include_str!("../../../../data/seed-003.nc"));
     let curve = nurbs(&part.curves[0]);
     let mut knots = part.curves[0].knots().to_vec();
     knots.dedup();

@@ -3,8 +3,8 @@
 use part_program::{read_machine, read_part};
 use proptest::prelude::*;
 
-const PAPER_A: &str = include_str!("../../../data/seed-000.toml");
-const PAPER_D: &str = include_str!("../../../data/seed-003.nc");
+const PAPER_A: &str = include_str!("../../../../data/seed-000.toml");
+const PAPER_D: &str = include_str!("../../../../data/seed-003.nc");
 
 #[test]
 fn paper_as_curve_and_machine() {

@@ -1,0 +1,17 @@
+//! Part programs, drawings and machine files as they are read and written. One program, so that its tests run side by side.
+
+mod any_bytes;
+mod approaches;
+mod as_written;
+mod cad;
+mod canon;
+mod cycles;
+mod dialects;
+mod evaluation;
+mod inspection;
+mod large_files;
+mod malformed;
+mod moves;
+mod readers;
+mod round_trips;
+mod rounding;
