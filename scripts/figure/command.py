@@ -23,7 +23,7 @@ PICTURES = {
 # Tests that compare with a file of expected figures.
 EXPECTED = [
     "cargo test --quiet --package feedbits --test command_line terminal",
-    "cargo test --quiet --package feedbits-tests --test constants",
+    "cargo test --quiet --package feedbits-tests --test across_crates constants",
     "cargo test --quiet --package secant-interp --test interpolation checksums",
 ]
 

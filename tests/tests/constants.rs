@@ -1,5 +1,5 @@
 //! What `feedbits compile` writes is Rust, and a controller that includes it makes the run that was judged.
-//! `UPDATE_EXPECT=1 cargo test -p feedbits-tests --test constants` writes what is written now, without the checksum: a file then changes
+//! `UPDATE_EXPECT=1 cargo test -p feedbits-tests --test across_crates constants` writes what is written now, without the checksum: a file then changes
 //! with the tables, and not with a rounding of a step.
 
 use expect_test::expect_file;
