@@ -9,9 +9,9 @@ use crate::name::CName;
 pub struct CPart<'a, R, const D: usize> {
     /// The begin of all public names.
     pub name: CName,
-    /// What the files are of, in a line.
+    /// What the files are of, in a line: any text, of which a comment gets what it can hold.
     pub about: String,
-    /// Why the run is not good enough; `None` if it is.
+    /// Why the run is not good enough, in a comment likewise; `None` if it is.
     pub fault: Option<String>,
     /// Path and plan.
     pub path: &'a CompiledPath<R, D>,

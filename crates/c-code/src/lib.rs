@@ -16,7 +16,6 @@
 //! | `templates/self_test.c` | the checksum, and the run that is compared |
 
 mod c_part;
-mod comment;
 mod exponents;
 mod factors;
 mod files;
@@ -27,7 +26,6 @@ mod shapes;
 mod values;
 
 pub use c_part::{COverride, CPart, ExpectedRun};
-pub use comment::in_a_comment;
 pub use files::CFiles;
 pub use literal::expect_type;
 pub use name::{CError, CName};

@@ -1,12 +1,12 @@
 //! The values that the templates show, as text in C.
 
 use feed_plan::sinc_terms;
+use foreign_text::in_a_comment;
 use nurbs_core::{Joint, ORIGIN_EXPONENT, Piece, Pieces};
 use real::{Backend, FormatName, Real, Trigonometric, sine_terms};
 use secant_interp::{Crossing, LANDING_REACH, LengthStage, Section, StageShape, TABLE_LAYOUT};
 
 use crate::c_part::CPart;
-use crate::comment::in_a_comment;
 use crate::exponents::{Exponents, MOST_UNROLLED};
 use crate::factors::Factors;
 use crate::literal::{number, number_type};

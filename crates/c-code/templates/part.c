@@ -1,4 +1,4 @@
-/* {{ about }}
+/* Part: {{ about }}
  *
  * Written by `feedbits compile --language c`, version {{ version }}; edited by nobody. {{ name }}.h says how it is used.
  *

@@ -1,4 +1,4 @@
-/* {{ about }}
+/* Part: {{ about }}
  *
  * Written by `feedbits compile --language c`, version {{ version }}; edited by nobody.
 {%- if let Some(fault) = fault %}

@@ -5,6 +5,7 @@
 //! `FEEDBITS_C_COMPILER=required` asks for both.
 
 mod compilers;
+mod hostile_names;
 mod paths;
 mod planned_path;
 mod program;

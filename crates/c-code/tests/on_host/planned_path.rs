@@ -32,8 +32,20 @@ impl<'a, const D: usize> PlannedPath<'a, D> {
         }
     }
 
-    /// The files in `R`.
+    /// The files in `R`, which say that they are of the part and the format.
     pub(crate) fn files_in<R: Backend>(&self, name: CName, has_override: bool) -> Option<CFiles> {
+        let about = format!("{} in {}", name.as_str(), R::name());
+        self.files_about::<R>(name, has_override, about, None)
+    }
+
+    /// The files in `R`, with these words of what they are of and of their fault.
+    pub(crate) fn files_about<R: Backend>(
+        &self,
+        name: CName,
+        has_override: bool,
+        about: String,
+        fault: Option<String>,
+    ) -> Option<CFiles> {
         let (path, plan) = (self.plan.path, &self.plan);
         let curves: Vec<_> = path.curves.iter().map(nurbs_core::NurbsBuf::as_curve).collect();
         let step_mm = path.limits.feedrate + plan.landing_step();
@@ -46,8 +58,7 @@ impl<'a, const D: usize> PlannedPath<'a, D> {
         let path = CompiledPath::new(table, &schedule, tolerance, plan.landing_step()).ok()?;
         let run = expected(&path, 4 * self.most_periods as usize)?;
         let feed_override = has_override.then(|| self.feed_override());
-        let about = format!("{} in {}", name.as_str(), R::name());
-        let part = CPart { name, about, fault: None, path: &path, period_s: 0.001, run, feed_override };
+        let part = CPart { name, about, fault, path: &path, period_s: 0.001, run, feed_override };
         Some(part.files().expect("C has the format"))
     }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use c_code::in_a_comment;
+use foreign_text::in_a_comment;
 use format_compare::Constants;
 use target_cost::{Limits, PeriodBound, period_bounds};
 

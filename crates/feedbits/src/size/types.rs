@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use c_code::in_a_comment;
 use clap::ValueEnum;
+use foreign_text::in_a_comment;
 use format_compare::{Mixed, Register};
 use real::{Datapath, FormatName, Overflow, Rounding};
 
@@ -87,7 +87,7 @@ impl Types<'_> {
     fn about(&self, mark: &str, more: &[&str]) -> String {
         let Mixed { bits, fluctuation, signals, .. } = self.mixed;
         let lines = [
-            format!("{}: {} registers of {bits} bits in all.", in_a_comment(self.part), signals.len()),
+            format!("Part {}: {} registers of {bits} bits in all.", in_a_comment(self.part), signals.len()),
             format!("Written by `feedbits size --types`, version {}.", env!("CARGO_PKG_VERSION")),
             String::new(),
             format!(

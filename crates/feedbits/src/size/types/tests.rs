@@ -258,3 +258,50 @@ fn test_a_bound_is_rounded_up() {
         assert!(in_language(language, NEAREST).contains("at most 1.0001"), "{language:?}");
     }
 }
+
+/// A name changes the line of the comment that has it, and nothing else: neither the lines around it nor what a compiler takes of them.
+#[test]
+fn test_a_name_changes_the_words_of_a_comment_alone() {
+    let mixed = registers(NEAREST);
+    for language in [Language::Vhdl, Language::Hls, Language::Matlab, Language::Rust, Language::C] {
+        let of = |part| {
+            Types { mixed: &mixed, datapath: NEAREST, part, fluctuation_limit: 1e-6 }.in_language(language)
+        };
+        let (mark, plain) = match language {
+            Language::Vhdl => ("-- ", of("plain")),
+            Language::Matlab => ("% ", of("plain")),
+            Language::Hls | Language::Rust => ("// ", of("plain")),
+            Language::C => (" * ", of("plain")),
+        };
+        for name in foreign_text::hostile::NAMES {
+            let text = of(name);
+            assert_eq!(
+                text.split(['\n', '\r', '\u{2028}']).count(),
+                plain.lines().count() + 1,
+                "{language:?}: {name:?}"
+            );
+            let changed: Vec<_> =
+                text.lines().zip(plain.lines()).filter(|(one, other)| one != other).collect();
+            let [(line, _)] = changed[..] else { panic!("{language:?}: {name:?}: {changed:?}") };
+            let words = line
+                .strip_prefix(mark)
+                .and_then(|rest| rest.strip_suffix(": 3 registers of 34 bits in all."));
+            assert!(words.is_some_and(|words| words.starts_with("Part ")), "{line}");
+            if matches!(language, Language::C | Language::Hls) && is_there("cc") {
+                assert_eq!(preprocessed(&text), preprocessed(&plain), "{language:?}: {name:?}");
+            }
+        }
+    }
+}
+
+/// The text as a compiler of C takes it: without comments, with trigraphs and joined lines.
+fn preprocessed(text: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("feed_signals.h"), text).unwrap();
+    std::fs::write(folder.path().join("ap_fixed.h"), "").unwrap();
+    let mut command = Command::new("cc");
+    command.args(["-std=c99", "-E", "-P", "-I.", "-Werror", "-Wall", "-x", "c", "feed_signals.h"]);
+    let output = command.current_dir(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}

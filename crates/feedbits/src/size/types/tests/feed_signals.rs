@@ -1,4 +1,4 @@
-// a "part" -- * / of?mine: 3 registers of 34 bits in all.
+// Part a ?part? -- ?/ of?mine: 3 registers of 34 bits in all.
 // Written by `feedbits size --types`, version 0.1.0.
 //
 // The feed fluctuates by 7.6e-7, and 1.0e-6 are allowed, if each signal
