@@ -1,5 +1,6 @@
 //! A finished picture: in the page, and as a file of its own.
 
+use foreign_text::{in_a_file_name, in_lines};
 use svg::Document;
 use svg::node::element::{Group, Path, Rectangle, Style, Text, Title};
 
@@ -90,10 +91,10 @@ impl Figure {
         Self::new(width, height, Group::new(), (String::new(), String::new()))
     }
 
-    /// Gives the picture its file's name, its title and its caption.
+    /// Gives the picture its file's name, of which [`in_a_file_name`] keeps what may stand in one, its title and its caption.
     #[must_use]
     pub fn named(mut self, name: &str, title: &str, caption: &str) -> Self {
-        self.name = name.to_string();
+        self.name = in_a_file_name(name);
         self.title = title.to_string();
         self.caption = caption.to_string();
         self
@@ -132,7 +133,7 @@ impl Figure {
         if self.follows_pointer {
             document = document.set("data-x", self.axes.0.as_str()).set("data-y", self.axes.1.as_str());
         }
-        document.to_string()
+        in_lines(&document.to_string())
     }
 
     /// The picture as a file of its own, with its styles, on white.
@@ -144,7 +145,7 @@ impl Figure {
         let children = document.get_children_mut();
         children.insert(1, Box::new(Style::new(palette::styles_of_a_file())));
         children.insert(2, Box::new(paper));
-        document.to_string()
+        in_lines(&document.to_string())
     }
 
     fn legend_height(&self) -> u32 {

@@ -13,6 +13,9 @@
 //! `plotters` draws axes, ticks and grids on a canvas of SVG elements that have classes in place of colours. A long
 //! series is drawn by the least and the greatest value of each pixel column. So a picture of a million periods takes no
 //! more room than one of a thousand, and no extreme is lost.
+//!
+//! Names of parts and targets, and the command, are text from outside: `askama` and `svg` escape them, and `foreign-text` says what of
+//! them a page, a picture, a cell of CSV and the name of a file may hold.
 
 mod canvas;
 mod chart;

@@ -1,6 +1,7 @@
 //! The whole report: a page, and a file for each picture and table.
 
 use askama::Template;
+use foreign_text::in_lines;
 use format_compare::{Comparison, Engine, FewestBits, Requirement, Verdict};
 
 use crate::figure::Figure;
@@ -111,12 +112,13 @@ impl Report {
             chapters: &chapters,
             reference: comparison.reference,
         };
-        Ok(Self::new(page.render()?, files))
+        Ok(Self::new(&page.render()?, files))
     }
 
-    /// The page and the files beside it.
-    pub(crate) fn new(page: String, beside: Vec<(String, String)>) -> Self {
-        let index = (Self::PAGE.to_string(), page);
+    /// The page and the files beside it. The template has escaped the names in the page; what they hold that cannot be seen
+    /// becomes a `?` here.
+    pub(crate) fn new(page: &str, beside: Vec<(String, String)>) -> Self {
+        let index = (Self::PAGE.to_string(), in_lines(page));
         Self { files: std::iter::once(index).chain(beside).collect() }
     }
 }

@@ -28,15 +28,6 @@ impl RunView<'_> {
         format!("{} {}", self.row.format, self.row.engine)
     }
 
-    /// The name with letters, digits, `-` and `_` only, for use in a file's name.
-    pub(crate) fn file_part(&self) -> String {
-        let name = self.name();
-        name.chars()
-            .map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' })
-            .collect::<String>()
-            .replace("__", "_")
-    }
-
     /// The classes of the run's elements in a picture.
     pub(crate) fn class(&self) -> String {
         format!("series run{} c{} d{}", self.index, self.hue, self.dash)

@@ -130,7 +130,7 @@ impl Sweep {
             summary: &summary,
             figures: figures.iter().map(|figure| (figure, figure.inline())).collect(),
         };
-        Ok(Report::new(page.render()?, files))
+        Ok(Report::new(&page.render()?, files))
     }
 
     /// In how many of the cells that were run a run is good, and the number of these cells.
@@ -184,10 +184,9 @@ impl Sweep {
         let caption = "Colour: the largest fluctuation at cruise. ✗: some requirement is not met, be it this or another; \
                        refused: the format cannot hold the part or its limits; –: not run.";
         let size_name = number::short(self.sizes_mm[size]);
-        let name: String =
-            self.runs[run].chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        let name = format!("heat-{}-{}", self.runs[run], size + 1);
         let title = format!("{} on a part of {size_name} mm", self.runs[run]);
-        let figure = figure.named(&format!("heat-{name}-{}", size + 1), &title, caption).of_run(run);
+        let figure = figure.named(&name, &title, caption).of_run(run);
         figure.with_legend(legend(self.fluctuation_limit, "refused"))
     }
 

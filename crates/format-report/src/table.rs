@@ -1,5 +1,6 @@
 //! A table: in the page, as CSV and as JSON.
 
+use foreign_text::in_a_cell;
 use serde_json::{Map, Value};
 
 use crate::number;
@@ -64,10 +65,10 @@ impl Cell {
         !matches!(self, Self::Text(_))
     }
 
-    /// The text in a file, with every digit.
+    /// The text in a file of CSV, with every digit.
     fn exact(&self) -> String {
         match self {
-            Self::Text(text) => text.clone(),
+            Self::Text(text) => in_a_cell(text),
             Self::Number(number) => number.to_string(),
             Self::Nothing => String::new(),
         }
@@ -126,12 +127,14 @@ mod tests {
             rows: vec![
                 vec![Cell::text("say \"I8F24\", twice"), Cell::Number(0.1 + 0.2)],
                 vec![Cell::text("f64"), Cell::Nothing],
+                vec![Cell::text("-2+3"), Cell::Number(-2.5)],
             ],
         };
         let csv = table.csv();
         let lines: Vec<_> = csv.lines().collect();
         assert_eq!(lines[..2], ["format,error_mm", "\"say \"\"I8F24\"\", twice\",0.30000000000000004"]);
         assert_eq!(lines[2], "f64,");
+        assert_eq!(lines[3], "'-2+3,-2.5", "words are no formula, and numbers stay numbers");
         let json: Value = serde_json::from_str(&table.json()).expect("JSON");
         assert_eq!(json[0]["error_mm"].as_f64(), Some(0.1 + 0.2));
         assert!(json[1]["error_mm"].is_null());

@@ -87,7 +87,7 @@ fn figure(
         _ => "",
     };
     let title = format!("The path{side}, coloured by the fluctuation of {}", run.name());
-    let name = format!("path-{}{view}", run.file_part());
+    let name = format!("path-{}{view}", run.name());
     Some(drawn.named(&name, &title, &caption).of_run(run.index).with_legend(legend(limit, "near rest")))
 }
 

@@ -55,7 +55,7 @@ fn figure(run: &RunView<'_>) -> Option<Figure> {
         }
     };
     let title = format!("Ranges of the signals in {}", run.name());
-    Some(drawn.named(&format!("ranges-{}", run.file_part()), &title, caption).of_run(run.index))
+    Some(drawn.named(&format!("ranges-{}", run.name()), &title, caption).of_run(run.index))
 }
 
 fn signals(plot: &mut Plot<'_>, trace: &format_compare::Trace, right: f64) {
