@@ -1,11 +1,13 @@
 //! The file of a sweep. Its first line holds the sweep's parameters. Then it has a line of JSON for each cell, in the
 //! order in which they end. A whole line is written at once, so an interruption tears only the last one.
 
+use std::collections::HashSet;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use foreign_text::in_a_file_name;
 use format_report::{Sweep, SweepCell};
 use part_program::MAX_TEXT;
 
@@ -93,6 +95,7 @@ fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<Found>, Lines<S>)
     if plan.len() > MOST_CELLS {
         bail!("{name}, line 1: a sweep of {} cells: expected at most {MOST_CELLS}", plan.len());
     }
+    expect_names_of_runs(name, &plan.runs)?;
     let mut cells = Vec::new();
     while lines.advance(name)? {
         let number = lines.number;
@@ -106,6 +109,23 @@ fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<Found>, Lines<S>)
         cells.push(cell);
     }
     Ok((Some((plan, cells)), lines))
+}
+
+/// The longest name of a run.
+const LONGEST_RUN: usize = 64;
+
+/// Refuses runs whose pictures would not have names of their own.
+fn expect_names_of_runs(name: &str, runs: &[String]) -> Result<()> {
+    let mut files = HashSet::new();
+    for run in runs {
+        if run.len() > LONGEST_RUN || !files.insert(in_a_file_name(run)) {
+            bail!(
+                "{name}, line 1: expected runs such as \"I4F28 pieces\", each once; found {:?}",
+                run.chars().take(LONGEST_RUN).collect::<String>()
+            );
+        }
+    }
+    Ok(())
 }
 
 /// Lines one by one: a sweep's file may be longer than the most that is read at once.

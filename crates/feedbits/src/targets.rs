@@ -83,11 +83,22 @@ impl TargetArguments {
     }
 }
 
+/// The targets of these files. Their names are parts of names of files, where some systems do not tell `A` from `a`.
 fn files(paths: &[PathBuf]) -> Result<Vec<Target>> {
-    paths
-        .iter()
-        .map(|path| Ok(Target::read(&path.display().to_string(), &files::text(path, files::MOST_OF_SMALL)?)?))
-        .collect()
+    let mut targets: Vec<Target> = Vec::new();
+    for path in paths {
+        let target = Target::read(&path.display().to_string(), &files::text(path, files::MOST_OF_SMALL)?)?;
+        if let Some(known) = targets.iter().find(|known| known.name.eq_ignore_ascii_case(&target.name)) {
+            bail!(
+                "{}: name = {:?}: another --target-file has {:?}; expected a name for each",
+                path.display(),
+                target.name,
+                known.name
+            );
+        }
+        targets.push(target);
+    }
+    Ok(targets)
 }
 
 fn unknown(name: &str, known: &[Target]) -> String {

@@ -5,6 +5,7 @@ use domains::target::{
     BUSY, CLOCK, CLOCK_BITS, DSP_BLOCKS, ISSUE_PER_CYCLE, NAME, PER_BIT, PER_FRACTION_BIT, ROW_BITS,
     ROW_CYCLES, TITLE, UNITS,
 };
+use foreign_text::in_a_file_name;
 use real::{FormatName, Overflow, Rounding};
 use serde::{Deserialize, Serialize};
 
@@ -13,11 +14,15 @@ use crate::error::TargetError;
 use crate::place::Place;
 use crate::task::Priced;
 
+/// The longest name of a target.
+const LONGEST_NAME: usize = 64;
+
 /// A processor or an FPGA.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
-    /// The name on the command line.
+    /// The name on the command line, and in the names of a report's files: letters and digits of ASCII, `-`, `_` and `.`, at most 64,
+    /// the first of them a letter or a digit.
     pub name: String,
     /// The name for people.
     pub title: String,
@@ -175,10 +180,13 @@ impl Target {
             let (key, line) = (place.to_string(), place.line_in(text));
             Err(TargetError::Value { file: file.to_string(), line, key, value, expected })
         };
-        for (key, value) in [(NAME, &self.name), (TITLE, &self.title)] {
-            if value.trim().is_empty() {
-                return wrong(Place::of(&key), format!("{value:?}"), "a name".into());
-            }
+        if in_a_file_name(&self.name) != self.name || self.name.len() > LONGEST_NAME {
+            let expected =
+                "letters and digits of ASCII, `-`, `_` and `.`, at most 64, the first a letter or a digit";
+            return wrong(Place::of(&NAME), format!("{:?}", self.name), expected.into());
+        }
+        if self.title.trim().is_empty() {
+            return wrong(Place::of(&TITLE), format!("{:?}", self.title), "a name".into());
         }
         for (place, value) in self.numbers() {
             if !place.key.holds(value) {
