@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use foreign_text::in_a_line;
 use format_compare::{Comparison, Cost, Engine, FewestBits, JudgedRun, Requirement, Verdict};
 
 use crate::screen::{self, BAD, COLUMNS, GOOD, duration, list, short, times, times_short};
@@ -151,6 +152,8 @@ fn line(text: &mut String, row: &JudgedRun, width: usize, names_path: bool) {
         Verdict::Refused(why) => (BAD, String::new(), format!("cannot run it: {why}")),
     };
     let start = format!("{:width$} {:>4}{path}  {fluctuation:>11}  {margin:>8}  ", row.format, row.bits);
+    // A refusal names the part.
+    let verdict = in_a_line(&verdict);
     let mut lines =
         textwrap::wrap(&verdict, COLUMNS.saturating_sub(start.chars().count()).max(20)).into_iter();
     let first = lines.next().unwrap_or_default();

@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use foreign_text::in_a_line;
 use format_compare::{
     Compared, Comparison, Dimension, Engine, JudgedRun, Options, PlanIn, Problem, Space, Watch,
 };
@@ -197,7 +198,7 @@ fn rows(comparison: &Comparison) -> String {
     let machine = &comparison.machine;
     let mut text = format!(
         "{}: {:.3} mm at {}{} mm/s, period {} ms, chord error {} mm, fluctuation {:.0e}",
-        part.name,
+        in_a_line(&part.name),
         part.length_mm,
         part.lowest_feedrate_mm_per_s.map_or_else(String::new, |lowest| format!("{lowest} to ")),
         machine.feedrate_mm_per_s,

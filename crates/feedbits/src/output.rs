@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use foreign_text::in_lines;
 
 use crate::screen;
 
@@ -52,10 +53,10 @@ pub(crate) fn counted(count: usize, one: &str, others: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { others })
 }
 
-/// Writes a line to the error stream, folded to the screen. If that stream is closed or full the line is lost, and only
-/// the exit status tells the result.
+/// Writes a line to the error stream, folded to the screen. Names and input that it quotes may hold what a terminal acts on; that
+/// becomes a `?`. If that stream is closed or full the line is lost, and only the exit status tells the result.
 pub(crate) fn say(line: &str) {
-    let _ = writeln!(io::stderr().lock(), "{}", screen::message(line));
+    let _ = writeln!(io::stderr().lock(), "{}", screen::message(&in_lines(line)));
 }
 
 /// Prints the error in the command line, or the help that the command line asks for. Returns the exit status.
@@ -88,13 +89,20 @@ const UNFINISHED: [&str; 2] = [".feedbits-", ".part"];
 /// directly. Styles are shown on a terminal that has them, unless the environment says NO_COLOR, and are left out
 /// elsewhere.
 pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
+    // Whatever takes styles out takes other characters out too, which JSON may hold.
+    let has_styles = text.contains('\u{1b}');
     let Some(path) = path else {
-        return match anstream::stdout().lock().write_all(text.as_bytes()) {
+        let written = if has_styles {
+            anstream::stdout().lock().write_all(text.as_bytes())
+        } else {
+            io::stdout().lock().write_all(text.as_bytes())
+        };
+        return match written {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             other => other.context("cannot write to the terminal"),
         };
     };
-    let text = anstream::adapter::strip_str(text).to_string();
+    let text = if has_styles { anstream::adapter::strip_str(text).to_string() } else { text.to_string() };
     write_file(path, |file| file.write_all(text.as_bytes()).with_context(|| cannot_write(path)))
 }
 

@@ -1,7 +1,9 @@
-//! Text for a terminal of 80 columns: folded lines, tables that fit, and figures for people.
+//! Text for a terminal of 80 columns: folded lines, tables that fit, and figures for people. Names and other text from outside that a
+//! terminal would act on becomes a `?` here.
 
 use anstyle::{AnsiColor, Style};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use foreign_text::{in_a_line, in_lines};
 use textwrap::{Options, WordSplitter};
 
 /// Columns of the screen.
@@ -18,7 +20,7 @@ fn whole_words<'i>() -> Options<'i> {
 
 /// The lines of a text, none longer than the screen.
 pub(crate) fn folded(text: &str) -> Vec<String> {
-    textwrap::wrap(text, whole_words()).into_iter().map(Into::into).collect()
+    textwrap::wrap(&in_lines(text), whole_words()).into_iter().map(Into::into).collect()
 }
 
 /// A text in lines of the screen, each with its end; an empty text has no line.
@@ -38,7 +40,7 @@ pub(crate) fn answer(text: &str) -> String {
 /// A text behind a label. Further lines begin below the text.
 pub(crate) fn labelled(label: &str, text: &str) -> String {
     let below = " ".repeat(label.chars().count());
-    textwrap::fill(text, whole_words().initial_indent(label).subsequent_indent(&below)) + "\n"
+    textwrap::fill(&in_lines(text), whole_words().initial_indent(label).subsequent_indent(&below)) + "\n"
 }
 
 /// A message of one line or more. Lines that show a file, each behind a bar, and the line with the place are not
@@ -78,7 +80,7 @@ pub(crate) fn table(header: &[&str], rows: Vec<Vec<String>>) -> String {
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_width(u16::try_from(COLUMNS).unwrap_or(u16::MAX).saturating_add(GAP))
         .set_header(header.to_vec());
-    table.add_rows(rows);
+    table.add_rows(printable(rows));
     for (column, has_figures) in table.column_iter_mut().zip(figures) {
         column.set_padding((0, GAP));
         if has_figures {
@@ -96,13 +98,18 @@ pub(crate) fn wide_table(header: &[&str], rows: Vec<Vec<String>>, words: &[usize
     }
     let mut table = Table::new();
     table.load_preset(presets::UTF8_FULL_CONDENSED).set_header(header.to_vec());
-    table.add_rows(rows);
+    table.add_rows(printable(rows));
     for (index, column) in table.column_iter_mut().enumerate() {
         if !words.contains(&index) {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
     format!("{table}\n")
+}
+
+/// Rows whose cells a terminal does not act on.
+fn printable(rows: Vec<Vec<String>>) -> impl Iterator<Item = Vec<String>> {
+    rows.into_iter().map(|row| row.iter().map(|cell| in_lines(cell)).collect())
 }
 
 /// A list of names, as in "A, B and C".
@@ -127,10 +134,10 @@ pub(crate) fn by_what_is_said(said: impl IntoIterator<Item = (String, String)>) 
     groups.into_iter().map(|(words, names)| (joined(&names), words)).collect()
 }
 
-/// The name of a part without the folders of its file.
+/// The name of a part without the folders of its file, in a line.
 pub(crate) fn file_name(name: &str) -> String {
     let last = std::path::Path::new(name).file_name();
-    last.map_or_else(|| name.to_string(), |last| last.to_string_lossy().into_owned())
+    in_a_line(&last.map_or(name.into(), |last| last.to_string_lossy()))
 }
 
 /// For a margin above this, no figure is printed.

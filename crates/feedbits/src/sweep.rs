@@ -11,6 +11,7 @@ use clap::Args;
 use clap_complete::ArgValueCandidates;
 use domains::Key;
 use domains::options::{MOST_PERIODS, SHARDS, SWEEP_FEED, SWEEP_PERIOD, SWEEP_POINTS, SWEEP_SCALE};
+use foreign_text::in_lines;
 use format_compare::{
     Cost, Dimension, Engine, Format, JudgedRun, LeastPeriods, Options, PeriodCost, Problem, Space, Verdict,
     Watch,
@@ -250,7 +251,8 @@ pub(crate) fn conclude(
     if skipped > 0 {
         text += &format!("{skipped} cells were not run; the file says why\n");
     }
-    output::write(None, &text)?;
+    // The names in it come from files.
+    output::write(None, &in_lines(&text))?;
     if let Some(folder) = folder {
         let page = report::into(folder, &plan.report(cells, &report::command())?)?;
         output::note(&format!("report in {}", page.display()));

@@ -137,8 +137,8 @@ fn shortened(text: String) -> String {
 fn printable(c: char) -> char {
     match c {
         '\t' => ' ',
-        c if c.is_control() => '\u{fffd}',
-        c => c,
+        c if foreign_text::is_printable(c) => c,
+        _ => '\u{fffd}',
     }
 }
 
