@@ -73,10 +73,12 @@ where
 /// Samples of the plan in a picture, at most, beside those at the ends of stages.
 const PICTURED: u64 = 1 << 17;
 
-/// The command as it was given.
+/// The command as it was given, in words that a shell reads as the same arguments: a name in it may hold `;` or `$(`.
 pub(crate) fn command() -> String {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    format!("feedbits {}", arguments.join(" ")).trim_end().to_string()
+    // No argument has a zero byte, the one that cannot be quoted.
+    let words = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
+    format!("feedbits {words}").trim_end().to_string()
 }
 
 /// Writes a report into a folder, which is made if it does not exist. The page is written last. Returns the page's
