@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use domains::options::WORSE_BY;
+use part_program::Machine;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -71,7 +72,7 @@ impl BaselineArguments {
     /// The baseline that is asked for, if it is one of `command`.
     pub(crate) fn read(&self, command: &str) -> Result<Option<Baseline>> {
         let Some(path) = &self.baseline else { return Ok(None) };
-        let text = files::text(path, files::MOST_OF_RESULT)?;
+        let text = files::text("--baseline", path, files::MOST_OF_RESULT)?;
         let result: Value = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
         expect_result_of(command, &result, path)?;
         Ok(Some(Baseline { path: path.clone(), result, share: self.worse_by / 100.0 }))
@@ -131,9 +132,7 @@ impl Figure {
 impl Baseline {
     /// Says which figures of `result` are worse than those of the baseline. The ending is not good if one is.
     pub(crate) fn judge<T: Serialize>(&self, result: &T, ending: Ending) -> Result<Ending> {
-        let now = serde_json::to_value(result)?;
-        self.expect_the_same_question(&now)?;
-        let (before, now) = (figures(&self.result), figures(&now));
+        let (before, now) = (figures(&self.result), figures(&serde_json::to_value(result)?));
         let compared = |(name, old): (&String, &Figure)| match now.get(name) {
             None => Some(format!("{name} was {}, and is missing", old.shown(name))),
             Some(new) if new.is_worse_than(*old, self.share) => {
@@ -155,15 +154,16 @@ impl Baseline {
         Ok(Ending::RequirementNotMet)
     }
 
-    /// Refuses a baseline of another part or machine.
-    fn expect_the_same_question(&self, now: &Value) -> Result<()> {
+    /// Before any work, refuses a baseline of another part or machine.
+    pub(crate) fn expect_question(&self, part: &str, machine: &Machine) -> Result<()> {
         let path = self.path.display();
-        let (old, new) = (&self.result["part"]["name"], &now["part"]["name"]);
-        if old != new {
-            bail!("{path} is of the part {old}, and this run is of {new}");
+        let old = &self.result["part"]["name"];
+        if old != part {
+            bail!("{path} is of the part {old}, and this run is of {part:?}");
         }
+        let machine = serde_json::to_value(machine)?;
         for (key, old) in self.result["machine"].as_object().into_iter().flatten() {
-            let new = &now["machine"][key];
+            let new = &machine[key];
             if old != new {
                 bail!("{path} was made with {key} = {old} in the machine file, and this run with {new}");
             }

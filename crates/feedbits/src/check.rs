@@ -12,7 +12,8 @@ use anyhow::Result;
 use clap::Args;
 use feed_plan::chord_feedrate;
 use part_program::{
-    Bend, Diagnostic, GAP_MM, Inspection, Joint, Machine, MoveKind, Oddity, Part, Remark, inspect,
+    Bend, Diagnostic, Diagnostics, GAP_MM, Inspection, Joint, Machine, MoveKind, Oddity, Part, Remark,
+    inspect,
 };
 use serde::Serialize;
 
@@ -41,7 +42,7 @@ const LEAST_SHARE_OF_FEED: f64 = 0.1;
 
 /// Reads the part, inspects it and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    let output = &arguments.output;
+    let (output, place) = (&arguments.output, arguments.output.place()?);
     let progress = Progress::spinning("reading and measuring");
     let part = match arguments.input.parsed()? {
         Ok(part) => part,
@@ -49,9 +50,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
             progress.finish();
             if output.json {
                 let bad = BadInput { errors: errors.iter().collect(), count: errors.count() };
-                output::write(output.out.as_deref(), &(serde_json::to_string_pretty(&bad)? + "\n"))?;
+                output::write(&place, &(serde_json::to_string_pretty(&bad)? + "\n"))?;
             }
-            return Err(errors.into());
+            say_all(&errors);
+            return Ok(Ending::Refused);
         }
     };
     let machine = arguments.input.machine_of(&part)?;
@@ -59,16 +61,27 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     progress.finish();
     if output.json {
         // Item by item: a joint of a program of ten bytes a move takes three hundred.
-        output::write_by(output.out.as_deref(), |to| {
+        output::write_by(&place, |to| {
             serde_json::to_writer_pretty(&mut *to, &report)?;
             Ok(to.write_all(b"\n")?)
         })?;
     } else {
         let text = report.text()?;
         input::say_warnings(&part);
-        output::write(output.out.as_deref(), &text)?;
+        output::write(&place, &text)?;
     }
     Ok(if report.suspicious.is_empty() { Ending::Good } else { Ending::RequirementNotMet })
+}
+
+/// Prints the errors of a text, each in a message of its own.
+fn say_all(errors: &Diagnostics) {
+    for (index, error) in errors.iter().enumerate() {
+        output::say(&if index == 0 { format!("feedbits: {error}") } else { format!("\n{error}") });
+    }
+    let more = errors.count() - errors.iter().len();
+    if more > 0 {
+        output::say(&format!("\nand {more} more"));
+    }
 }
 
 /// The JSON for a text that cannot be read.

@@ -8,14 +8,15 @@ use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use foreign_text::in_a_line;
 use format_compare::{
-    Compared, Comparison, Dimension, Engine, JudgedRun, Options, PlanIn, Problem, Space, Watch,
+    Compared, Comparison, Dimension, Engine, JudgedRun, Machine, Options, PlanIn, Problem, Space, Watch,
 };
 use target_cost::Target;
 
-use crate::baseline::{self, BaselineArguments};
+use crate::baseline::{self, Baseline, BaselineArguments};
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
+use crate::places::{Folder, Place};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::targets::TargetArguments;
@@ -54,19 +55,33 @@ impl Arguments {
     }
 }
 
+/// What a comparison has beside its problem.
+struct Beside {
+    folder: Option<Folder>,
+    out: Place,
+    baseline: Option<Baseline>,
+    targets: Vec<Target>,
+}
+
 /// Compares and prints. Writes the report if the options name a folder for it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    let targets = arguments.targets.read()?;
+    let beside = Beside {
+        folder: report::folder(arguments.report.as_deref())?,
+        out: arguments.output.place()?,
+        baseline: arguments.baseline.read("compare")?,
+        targets: arguments.targets.read()?,
+    };
     match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => compare(&problem, &targets, arguments),
-        AnyProblem::Spatial(problem) => compare(&problem, &targets, arguments),
+        AnyProblem::Planar(problem) => compare(&problem, &beside, arguments),
+        AnyProblem::Spatial(problem) => compare(&problem, &beside, arguments),
     }
 }
 
-fn compare<const D: usize>(problem: &Problem<D>, targets: &[Target], arguments: &Arguments) -> Result<Ending>
+fn compare<const D: usize>(problem: &Problem<D>, beside: &Beside, arguments: &Arguments) -> Result<Ending>
 where
     Space: Dimension<D>,
 {
+    let Beside { folder, out, baseline, targets } = beside;
     let formats = selected(&arguments.formats)?;
     let (shown, options) = (arguments.shown()?, arguments.run.options_for(problem)?);
     let interruptible = Options { interrupt: Some(interrupt::flag()), ..options.clone() };
@@ -75,22 +90,23 @@ where
         || arguments.report.is_some()
         || arguments.baseline.is_given();
     let engines = if shows_all { arguments.run.engines()? } else { shown.clone() };
-    output::expect_place(arguments.output.out.as_deref())?;
-    let baseline = arguments.baseline.read("compare")?;
-    report::make_folder(arguments.report.as_deref())?;
+    if let Some(baseline) = baseline {
+        let feedrate_mm_per_s = problem.feedrate_mm_per_s();
+        baseline.expect_question(&problem.name, &Machine { feedrate_mm_per_s, ..problem.machine.clone() })?;
+    }
     let progress = Progress::planning();
     let watched = |done: u64, all: u64| {
         interrupt::runs_begin();
         progress.periods(done, all);
     };
-    let watch = Watch { traces: arguments.report.is_some(), progress: &watched };
+    let watch = Watch { traces: folder.is_some(), progress: &watched };
     let mut compared = format_compare::compare_with(problem, &formats, &engines, &interruptible, &watch)?;
     progress.finish();
     if !interrupt::is_set() {
         add_answers(problem, &mut compared, targets, shown.contains(&Engine::Pieces), &interruptible)?;
     }
     if interrupt::is_set() {
-        return interrupted(compared.comparison, arguments);
+        return interrupted(compared.comparison, arguments.output.json, out);
     }
     let comparison = &compared.comparison;
     let text = if arguments.output.json {
@@ -100,13 +116,15 @@ where
     } else {
         first_screen(comparison, &shown, targets)
     };
-    output::write(arguments.output.out.as_deref(), &text)?;
-    if let Some(folder) = &arguments.report {
-        let page = report::write(folder, problem, &compared, targets, &options)?;
+    // The report comes first: if it cannot be written, nothing is printed beside the error.
+    let page = folder.as_ref().map(|folder| report::write(folder, problem, &compared, targets, &options));
+    let page = page.transpose()?;
+    output::write(out, &text)?;
+    if let Some(page) = page {
         output::note(&format!("report in {}", page.display()));
     }
     let ending = if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet };
-    baseline.map_or(Ok(ending), |baseline| baseline.judge(comparison, ending))
+    baseline.as_ref().map_or(Ok(ending), |baseline| baseline.judge(comparison, ending))
 }
 
 /// The answer, the formats that ran by one of `engines`, and what their periods cost on the targets.
@@ -150,14 +168,14 @@ where
 
 /// Prints the runs that were finished. Answers that were sought meanwhile come from runs that were cut short: they are
 /// left out.
-fn interrupted(comparison: Comparison, arguments: &Arguments) -> Result<Ending> {
+fn interrupted(comparison: Comparison, as_json: bool, out: &Place) -> Result<Ending> {
     let comparison = Comparison { fewest_bits: None, not_a_question_of_format: None, ..comparison };
-    let text = match arguments.output.json {
+    let text = match as_json {
         true => baseline::json("compare", &comparison)?,
         false if comparison.formats.is_empty() => String::new(),
         false => rows(&comparison),
     };
-    output::write(arguments.output.out.as_deref(), &text)?;
+    output::write(out, &text)?;
     let finished = comparison.formats.len();
     let all = output::counted(finished + comparison.interrupted_runs, "run", "runs");
     output::say(&format!("feedbits: interrupted: {finished} of {all} finished, and nothing behind them"));

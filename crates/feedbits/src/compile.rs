@@ -26,6 +26,7 @@ use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::numbers::{number, whole};
+use crate::places::Place;
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::{candidates, output};
@@ -102,30 +103,27 @@ enum Language {
 }
 
 /// Where a part goes.
-enum Place {
-    Rust,
+enum Destination {
+    Rust(Place),
     C(CPlace),
     Stream(StreamPlace),
 }
 
 impl Arguments {
-    /// The place, refused before long work if nothing can be written there.
-    fn place(&self) -> Result<Place> {
+    /// The files to write, refused before long work if they cannot be written.
+    fn destination(&self) -> Result<Destination> {
         let out = self.out.as_deref();
-        Ok(match (out, self.language) {
-            (Some(out), _) if self.stream => Place::Stream(StreamPlace::of(out, self.buffer)?),
-            (_, Language::C) => Place::C(CPlace::of(out)?),
-            (_, Language::Rust) => {
-                output::expect_place(out)?;
-                Place::Rust
-            }
+        Ok(match self.language {
+            _ if self.stream => Destination::Stream(StreamPlace::of(out, self.buffer)?),
+            Language::C => Destination::C(CPlace::of(out)?),
+            Language::Rust => Destination::Rust(Place::named("--out", out)?),
         })
     }
 }
 
 /// Compiles the part, judges the result as `compare` does, and writes it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    let place = arguments.place()?;
+    let place = arguments.destination()?;
     let fault = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => compiled(&problem, arguments, &place)?,
         AnyProblem::Spatial(problem) => compiled(&problem, arguments, &place)?,
@@ -139,12 +137,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 fn compiled<const D: usize>(
     problem: &Problem<D>,
     arguments: &Arguments,
-    place: &Place,
+    place: &Destination,
 ) -> Result<Option<String>>
 where
     Space: Dimension<D>,
 {
-    let progress = Progress::spinning("compiling");
     let options = arguments.run.options_for(problem)?;
     if options.engine != Engine::Pieces {
         bail!("a controller runs compiled pieces: give --evaluate pieces, or nothing");
@@ -155,10 +152,11 @@ where
     let to_plan =
         overrides.as_ref().map_or(Cow::Borrowed(problem), |overrides| Cow::Owned(overrides.to_plan(problem)));
     expect_an_end(&to_plan, &options)?;
-    if let Place::C(_) = place {
+    if let Destination::C(_) = place {
         // What C cannot hold is refused before the long run of the judge.
         c::expect_type(format)?;
     }
+    let progress = Progress::spinning("compiling");
     let Compared { mut comparison, plan, .. } =
         format_compare::compare_with(&to_plan, &formats, &[Engine::Pieces], &options, &Watch::default())?;
     let plan = match plan {
@@ -173,9 +171,9 @@ where
     let options = Options { overrides: commands, ..options };
     let judged = Judged { problem: to_plan, plan, options, format, about, fault: fault_of(row) };
     match place {
-        Place::C(place) => c::write(&judged, place, arguments.flash, progress)?,
-        Place::Stream(place) => stream::write(&judged, place, progress)?,
-        Place::Rust => rust::write(&judged, arguments.out.as_deref(), arguments.flash, progress)?,
+        Destination::C(place) => c::write(&judged, place, arguments.flash, progress)?,
+        Destination::Stream(place) => stream::write(&judged, place, progress)?,
+        Destination::Rust(place) => rust::write(&judged, place, arguments.flash, progress)?,
     }
     Ok(judged.fault)
 }

@@ -4,6 +4,7 @@
 //! presets, and words of later versions.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::Args;
@@ -12,6 +13,7 @@ use clap_complete::{CompleteEnv, Shell};
 
 use crate::ending::Ending;
 use crate::output;
+use crate::places::Place;
 
 /// The environment variable by which a script asks for words, and names its shell.
 const VARIABLE: &str = "FEEDBITS_COMPLETE";
@@ -29,18 +31,25 @@ pub(crate) struct Arguments {
 
 /// Prints the script.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let place = Place::named("--out", arguments.out.as_deref())?;
     let name = arguments.shell.to_string();
     let shells = Shells::builtins();
     let shell = shells.completer(&name).with_context(|| format!("no script for {name}"))?;
     let mut script = Vec::new();
     shell.write_registration(VARIABLE, PROGRAM, PROGRAM, PROGRAM, &mut script)?;
-    output::write(arguments.out.as_deref(), &String::from_utf8(script)?)?;
+    output::write(&place, &String::from_utf8(script)?)?;
     Ok(Ending::Good)
 }
 
-/// If a script asks for words of `command`, prints them and exits; otherwise does nothing.
-pub(crate) fn answer(command: fn() -> clap::Command) {
-    CompleteEnv::with_factory(command).var(VARIABLE).bin(PROGRAM).complete();
+/// If a script asks for words of `command`, prints them and returns the exit status; otherwise does nothing.
+pub(crate) fn answer(command: fn() -> clap::Command) -> Option<ExitCode> {
+    let folder = std::env::current_dir().ok();
+    let asked = CompleteEnv::with_factory(command).var(VARIABLE).bin(PROGRAM);
+    match asked.try_complete(std::env::args_os(), folder.as_deref()) {
+        Ok(false) => None,
+        Ok(true) => Some(output::status_of(output::printed(Ok(())))),
+        Err(error) => Some(output::usage(&error)),
+    }
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use crate::input::{Input, read_again};
 use crate::numbers::{number, whole};
 use crate::output;
 use crate::output::counted;
+use crate::places::Place;
 use crate::progress::Progress;
 
 /// If rounding turns a straight move by more than this, in degrees, a note says so.
@@ -110,6 +111,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     if arguments.to() == Target::G1 && arguments.fit.is_some() {
         bail!("--fit: it makes curves, and --to g1 would cut them again; expected --to g06.2, g5.2 or toml");
     }
+    let place = Place::named("--out", arguments.out.as_deref())?;
     let mut part = arguments.input.part()?;
     part.machine = arguments.input.machine_of(&part)?;
     let progress = Progress::spinning("converting");
@@ -136,7 +138,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         rounding.push(ratio_note(arguments, moved_mm));
     }
     progress.finish();
-    output::write(arguments.out.as_deref(), &text)?;
+    output::write(&place, &text)?;
     if let Some(fitted) = &fitted {
         output::note(&fit_note(&fitted.report, arguments));
     }

@@ -7,6 +7,8 @@ pub(crate) enum Ending {
     Good,
     /// A stated requirement is not met.
     RequirementNotMet,
+    /// The input is bad; every error was printed.
+    Refused,
     /// Ctrl-C has ended the work; what was finished is printed.
     Interrupted,
 }

@@ -1,4 +1,5 @@
-//! Reads whole files and pipes, up to the largest size of their kind.
+//! Reads whole files and pipes, up to the largest size of their kind. Every file that is opened here is claimed as an input of
+//! this call. `option` is what names it on the command line.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,6 +7,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use part_program::MAX_TEXT;
+
+use crate::claims;
 
 /// The largest part, or machine file, in bytes: the machine may stand in a curve file.
 pub(crate) const MOST_OF_PART: usize = MAX_TEXT;
@@ -18,22 +21,31 @@ pub(crate) const MOST_OF_RESULT: usize = 16 << 20;
 const NOTHING: usize = 512;
 
 /// A whole file as text.
-pub(crate) fn text(path: &Path, most: usize) -> Result<String> {
-    String::from_utf8(bytes(path, most)?).map_err(|error| {
+pub(crate) fn text(option: &str, path: &Path, most: usize) -> Result<String> {
+    String::from_utf8(bytes(option, path, most)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         anyhow::anyhow!("{}: byte {at} is not UTF-8 text: expected a text file", path.display())
     })
 }
 
 /// A whole file. A file that is too long is refused before memory is taken for it; a pipe, once it has given too much.
-pub(crate) fn bytes(path: &Path, most: usize) -> Result<Vec<u8>> {
+pub(crate) fn bytes(option: &str, path: &Path, most: usize) -> Result<Vec<u8>> {
     let name = path.display().to_string();
-    let cannot = || format!("cannot read {name}");
-    let file = File::open(path).with_context(cannot)?;
-    if file.metadata().with_context(cannot)?.len() > u64::try_from(most)? {
+    let file = open(option, path)?;
+    if file.metadata().with_context(|| format!("cannot read {name}"))?.len() > u64::try_from(most)? {
         bail!(too_long(&name, most));
     }
     taken(&name, file, most)
+}
+
+/// Opens a file to read it.
+///
+/// # Errors
+/// If it cannot be opened, or if this call writes it.
+pub(crate) fn open(option: &str, path: &Path) -> Result<File> {
+    let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+    claims::read(option, path, &file)?;
+    Ok(file)
 }
 
 /// All bytes of a source, unless there are too many, or nothing but zeros as in `/dev/zero`.

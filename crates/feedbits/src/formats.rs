@@ -40,6 +40,7 @@ struct Listed {
 
 /// Prints name, width, range and resolution of each format.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let place = arguments.output.place()?;
     let listed: Vec<Listed> = format_compare::formats::<3>()
         .iter()
         .map(|format| Listed {
@@ -55,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         .collect();
     let text =
         if arguments.output.json { serde_json::to_string_pretty(&listed)? + "\n" } else { table(&listed) };
-    output::write(arguments.output.out.as_deref(), &text)?;
+    output::write(&place, &text)?;
     Ok(Ending::Good)
 }
 

@@ -10,7 +10,7 @@ use format_compare::Problem;
 use part_program::{Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Unit};
 
 use crate::files::{MOST_OF_PART, bytes, taken};
-use crate::{candidates, output, presets};
+use crate::{candidates, claims, output, presets};
 
 /// The example that runs when no part is named: paper A's curve and machine.
 const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
@@ -118,17 +118,14 @@ impl Input {
         Ok(match &self.part {
             Some(path) if path == Path::new("-") => {
                 let name = "standard input";
-                part_program::read_part_bytes(
-                    name,
-                    &taken(name, std::io::stdin().lock(), MOST_OF_PART)?,
-                    options,
-                )
+                claims::read_standard_input()?;
+                let text = taken(name, std::io::stdin().lock(), MOST_OF_PART)?;
+                part_program::read_part_bytes(name, &text, options)
             }
-            Some(path) => part_program::read_part_bytes(
-                &path.display().to_string(),
-                &bytes(path, MOST_OF_PART)?,
-                options,
-            ),
+            Some(path) => {
+                let text = bytes("the part", path, MOST_OF_PART)?;
+                part_program::read_part_bytes(&path.display().to_string(), &text, options)
+            }
             None => part_program::read_part_with("built-in example", EXAMPLE, options),
         })
     }
@@ -145,7 +142,7 @@ impl Input {
 /// Prints the notes about a part that was read.
 pub(crate) fn say_warnings(part: &Part) {
     for warning in &part.warnings {
-        output::say(&warning.to_string());
+        output::warn(&warning.to_string());
     }
     if let Some(size) = part.assumed_unit() {
         output::note(&format!("{size}; `--units mm` or `--units inch` says which"));

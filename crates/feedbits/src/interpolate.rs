@@ -2,7 +2,7 @@
 
 mod rows;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -21,6 +21,7 @@ use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::numbers::{number, refusal};
+use crate::places::{Folder, Place, cannot_write_to};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::{candidates, output};
@@ -65,17 +66,19 @@ pub(crate) struct Arguments {
 
 /// Interpolates and writes a line for each period.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    if let Some(folder) = &arguments.vectors {
+    if let Some(path) = &arguments.vectors {
+        let folder = Folder::named("--vectors", path)?;
+        VECTOR_FILES.iter().try_for_each(|name| folder.place(name).map(|_| ()))?;
         let vectors = match arguments.run.problem(&arguments.input)? {
             AnyProblem::Planar(problem) => vectors(&problem, arguments)?,
             AnyProblem::Spatial(problem) => vectors(&problem, arguments)?,
         };
-        return write_vectors(folder, &vectors);
+        return write_vectors(&folder, &vectors);
     }
-    output::expect_place(arguments.output.out.as_deref())?;
+    let out = arguments.output.place()?;
     let stopped = match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => setpoints(&problem, arguments)?,
-        AnyProblem::Spatial(problem) => setpoints(&problem, arguments)?,
+        AnyProblem::Planar(problem) => setpoints(&problem, arguments, &out)?,
+        AnyProblem::Spatial(problem) => setpoints(&problem, arguments, &out)?,
     };
     let Some(format) = stopped else { return Ok(Ending::Good) };
     output::say(&format!("feedbits: the run in {format} stops before the end of the path"));
@@ -83,24 +86,30 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 }
 
 /// Writes the setpoints while they are made. Returns the format's name if its run stops before the end of the path.
-fn setpoints<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Option<FormatName>>
+fn setpoints<const D: usize>(
+    problem: &Problem<D>,
+    arguments: &Arguments,
+    out: &Place,
+) -> Result<Option<FormatName>>
 where
     Space: Dimension<D>,
 {
     let options = arguments.run.options_for(problem)?;
     let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
     let Some(format) = formats.first() else { bail!("no format") };
-    let progress = Progress::planning();
+    let to = (out, arguments.output.json);
     if arguments.overrides.is_empty() {
+        let progress = Progress::planning();
         let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
         let run = |observer: &dyn Observer| format.run_before(problem, &plan, &options, observer);
-        let (about, _) = written(problem, run, plan.periods(), arguments, &progress)?;
+        let (about, _) = written(problem, run, plan.periods(), to, &progress)?;
         return Ok((!about.finished).then(|| format.name()));
     }
     if options.engine != Engine::Pieces {
         bail!("--override goes with pieces: give --evaluate pieces");
     }
     let overrides = Overrides::try_new(arguments.overrides.clone(), arguments.reserve / 100.0)?;
+    let progress = Progress::planning();
     let to_plan = overrides.to_plan(problem);
     expect_an_end(&to_plan, &options)?;
     let plan = format_compare::plan_for(&to_plan, format.as_ref(), &options)?;
@@ -108,7 +117,7 @@ where
     let periods = commands.periods();
     let options = Options { overrides: Some(commands), ..options };
     let run = |observer: &dyn Observer| format.run_before(&to_plan, &plan, &options, observer);
-    let (about, summary) = written(problem, run, periods, arguments, &progress)?;
+    let (about, summary) = written(problem, run, periods, to, &progress)?;
     drop(progress);
     output::note(&kept(&summary, problem));
     let end = summary.end_s;
@@ -136,17 +145,17 @@ fn at_rest(mut chords: ChordTally) -> ChordTally {
     chords
 }
 
-/// Makes the run of `periods` periods and writes its setpoints.
+/// Makes the run of `periods` periods and writes its setpoints to a place, as JSON or CSV.
 fn written<const D: usize>(
     problem: &Problem<D>,
     run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
     periods: u64,
-    arguments: &Arguments,
+    (out, as_json): (&Place, bool),
     progress: &Progress,
 ) -> Result<(AboutRun, Summary)> {
     let reference = Reference::new(problem)?;
-    output::write_by(arguments.output.out.as_deref(), |file| {
-        let mut rows = Rows::new(file, arguments.output.json)?;
+    output::write_by(out, |file| {
+        let mut rows = Rows::new(file, as_json);
         let (mut summary, mut failure) = (Summary::default(), None);
         summary.chords = at_rest(summary.chords);
         let about = reference.show_setpoints(problem, run, |row| {
@@ -161,7 +170,7 @@ fn written<const D: usize>(
             }
         })?;
         summary.chords = at_rest(summary.chords);
-        let cannot = || output::cannot_write_to(arguments.output.out.as_deref());
+        let cannot = || cannot_write_to(out);
         failure.map_or(Ok(()), Err).with_context(cannot)?;
         rows.finish().with_context(cannot)?;
         Ok((about, summary))
@@ -184,23 +193,18 @@ where
     Ok(format.vectors(problem, &plan, &options)?)
 }
 
+/// The files of test vectors.
+const VECTOR_FILES: [&str; 5] = ["about.json", "periods.csv", "periods.hex", "signals.csv", "signals.hex"];
+
 /// Writes the files of test vectors, all of them or none.
-fn write_vectors(folder: &Path, vectors: &Vectors) -> Result<Ending> {
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let about = serde_json::to_string_pretty(&vectors.about)? + "\n";
-    let files = [
-        ("about.json", about.as_str()),
-        ("periods.csv", &vectors.periods.csv),
-        ("periods.hex", &vectors.periods.image),
-        ("signals.csv", &vectors.signals.csv),
-        ("signals.hex", &vectors.signals.image),
-    ];
-    let paths = files.map(|(name, text)| (folder.join(name), text));
-    let files: Vec<_> = paths.iter().map(|(path, text)| (path.as_path(), *text)).collect();
-    output::write_together(&files)?;
+fn write_vectors(folder: &Folder, vectors: &Vectors) -> Result<Ending> {
+    let Vectors { about, periods, signals } = vectors;
+    let about = serde_json::to_string_pretty(about)? + "\n";
+    let texts = [&about, &periods.csv, &periods.image, &signals.csv, &signals.image];
+    let files: Vec<(&str, &str)> = VECTOR_FILES.into_iter().zip(texts.map(String::as_str)).collect();
+    folder.write(&files)?;
     let VectorsAbout { periods, format, .. } = &vectors.about;
-    output::note(&format!("{periods} periods in {format} are in {}", folder.display()));
+    output::note(&format!("{periods} periods in {format} are in {}", folder.path().display()));
     Ok(Ending::Good)
 }
 

@@ -37,6 +37,7 @@ struct Listed {
 
 /// Lists the presets, or prints the file of one.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let place = arguments.output.place()?;
     let json = arguments.output.json;
     let text = match &arguments.preset {
         None if arguments.keys => tables(),
@@ -53,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
             if json { serde_json::to_string_pretty(&listed)? + "\n" } else { list(&listed)? }
         }
     };
-    output::write(arguments.output.out.as_deref(), &text)?;
+    output::write(&place, &text)?;
     Ok(Ending::Good)
 }
 

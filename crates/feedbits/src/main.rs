@@ -5,6 +5,7 @@ mod baseline;
 mod bounds;
 mod candidates;
 mod check;
+mod claims;
 mod compare;
 mod compile;
 mod completions;
@@ -24,6 +25,7 @@ mod numbers;
 mod output;
 mod papers;
 mod period_costs;
+mod places;
 mod plan;
 mod presets;
 mod progress;
@@ -115,7 +117,9 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    completions::answer(Arguments::command);
+    if let Some(status) = completions::answer(Arguments::command) {
+        return status;
+    }
     let matches = numbers::with_domains(Arguments::command()).try_get_matches();
     let arguments = match matches.and_then(|mut matches| Arguments::from_arg_matches_mut(&mut matches)) {
         Ok(arguments) => arguments,
@@ -146,13 +150,14 @@ fn main() -> ExitCode {
         Command::Formats(arguments) => formats::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
     };
+    if ending.is_ok() {
+        output::begin_work();
+    }
     match ending {
         Ok(Ending::Good) => ExitCode::SUCCESS,
+        Ok(Ending::Refused) => ExitCode::from(2),
         Ok(Ending::RequirementNotMet) => ExitCode::from(1),
         Ok(Ending::Interrupted) => ExitCode::from(interrupt::STATUS),
-        Err(error) => {
-            output::say(&format!("feedbits: {error:#}"));
-            ExitCode::from(2)
-        }
+        Err(error) => output::status_of(Err(error)),
     }
 }

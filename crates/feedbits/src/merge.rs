@@ -8,7 +8,9 @@ use clap::Args;
 use format_report::SweepCell;
 
 use crate::ending::Ending;
-use crate::{output, sweep, sweep_file};
+use crate::places::Place;
+use crate::sweep::Places;
+use crate::{output, report, sweep, sweep_file};
 
 /// Options of `merge`.
 #[derive(Args)]
@@ -29,6 +31,11 @@ pub(crate) struct Arguments {
 
 /// Joins the files and writes the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let places = Places {
+        folder: report::folder(arguments.report.as_deref())?,
+        file: Place::named("--out", Some(&arguments.out))?,
+        terminal: Place::terminal()?,
+    };
     let mut joined = None;
     let mut cells: BTreeMap<usize, (SweepCell, String)> = BTreeMap::new();
     for path in &arguments.files {
@@ -61,10 +68,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         );
     }
     let cells: Vec<SweepCell> = cells.into_values().map(|(cell, _)| cell).collect();
-    let mut text = serde_json::to_string(&plan)? + "\n";
+    let mut text = sweep_file::line(&plan)?;
     for cell in &cells {
-        text += &(serde_json::to_string(cell)? + "\n");
+        text += &sweep_file::line(cell)?;
     }
-    output::write(Some(&arguments.out), &text)?;
-    sweep::conclude(&plan, &cells, &arguments.out, arguments.report.as_deref())
+    output::write(&places.file, &text)?;
+    sweep::conclude(&plan, &cells, &places)
 }

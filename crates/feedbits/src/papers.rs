@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
+use format_report::Figure;
 use paper_figures::{ContourRow, PaperFigures, Printed, Row, contour_table, paper_figures};
 
 use crate::ending::Ending;
+use crate::output;
+use crate::places::Folder;
 use crate::progress::Progress;
 use crate::screen::{self, short};
-use crate::{output, report};
 
 /// Options of `papers`.
 #[derive(Args)]
@@ -26,8 +28,8 @@ pub(crate) struct Arguments {
 
 /// Computes and prints.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    output::expect_place(arguments.output.out.as_deref())?;
-    report::make_folder(arguments.report.as_deref())?;
+    let folder = arguments.report.as_deref().map(|path| Folder::named("--report", path)).transpose()?;
+    let place = arguments.output.place()?;
     let progress = Progress::spinning("computing the papers' figures");
     let text = if arguments.contour {
         let rows = contour_table()?;
@@ -36,25 +38,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     } else {
         let figures = paper_figures()?;
         progress.finish();
-        write_pictures(&figures, arguments)?;
+        folder.as_ref().map_or(Ok(()), |folder| write_pictures(&figures, folder))?;
         if arguments.output.json {
             serde_json::to_string_pretty(&figures.rows)? + "\n"
         } else {
             shown(&figures.rows)
         }
     };
-    output::write(arguments.output.out.as_deref(), &text)?;
+    output::write(&place, &text)?;
     Ok(Ending::Good)
 }
 
 /// Each picture as a file of its own.
-fn write_pictures(figures: &PaperFigures, arguments: &Arguments) -> Result<()> {
-    let Some(folder) = &arguments.report else { return Ok(()) };
-    for picture in &figures.pictures {
-        let path = folder.join(format!("{}.svg", picture.name));
-        output::write(Some(&path), &(picture.file() + "\n")).context("the pictures")?;
-    }
-    output::note(&format!("{} pictures are in {}", figures.pictures.len(), folder.display()));
+fn write_pictures(figures: &PaperFigures, folder: &Folder) -> Result<()> {
+    let file = |picture: &Figure| (format!("{}.svg", picture.name), picture.file() + "\n");
+    let files: Vec<(String, String)> = figures.pictures.iter().map(file).collect();
+    let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    folder.write(&files).context("the pictures")?;
+    output::note(&format!("{} pictures are in {}", files.len(), folder.path().display()));
     Ok(())
 }
 

@@ -5,7 +5,7 @@ mod print;
 use anyhow::{Result, bail};
 use clap::Args;
 use domains::options::OVERSAMPLE;
-use format_compare::{Dimension, ExactPlan, MergeRow, PlanSummary, Problem, ProfileKind, Space};
+use format_compare::{Dimension, ExactPlan, MergeRow, Options, PlanSummary, Problem, ProfileKind, Space};
 
 use crate::bounds::expect_an_end;
 use crate::ending::Ending;
@@ -13,6 +13,7 @@ use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::numbers::whole;
 use crate::output;
+use crate::places::Place;
 pub(crate) use crate::plan::print::in_all_directions;
 use crate::plan::print::{answer, csv, explained, side_by_side, stages};
 use crate::progress::Progress;
@@ -48,33 +49,39 @@ pub(crate) struct Arguments {
 
 /// Plans and prints the table of stages; with --out, writes the sampled plan.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    output::expect_place(arguments.output.out.as_deref())?;
+    let out = arguments.output.place()?;
     match arguments.input.read()? {
-        AnyProblem::Planar(problem) => plan(&problem, arguments),
-        AnyProblem::Spatial(problem) => plan(&problem, arguments),
+        AnyProblem::Planar(problem) => plan(&problem, arguments, &out),
+        AnyProblem::Spatial(problem) => plan(&problem, arguments, &out),
     }
 }
 
-fn plan<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Ending>
+fn plan<const D: usize>(problem: &Problem<D>, arguments: &Arguments, out: &Place) -> Result<Ending>
 where
     Space: Dimension<D>,
 {
     if arguments.explain {
-        return explain(problem, arguments);
+        return explain(problem, arguments, out);
     }
     let formats = selected::<D>(&["f64".to_string()])?;
-    let planned = |&profile| -> Result<(ExactPlan, PlanSummary)> {
+    let options = |&profile| -> Result<Options> {
         let options = arguments.plan.options(profile)?;
         expect_an_end(problem, &options)?;
-        let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
+        Ok(options)
+    };
+    let options = arguments.plan.profiles().iter().map(options).collect::<Result<Vec<_>>>()?;
+    // With --out, the plan goes to the file and the stages to the terminal.
+    let writes_samples = out.path().is_some() && !arguments.output.json;
+    let terminal = writes_samples.then(Place::terminal).transpose()?;
+    let planned = |options| -> Result<(ExactPlan, PlanSummary)> {
+        let plan = format_compare::plan_for(problem, formats[0].as_ref(), options)?;
         let summary = PlanSummary::of(&plan, problem)?;
         Ok((plan, summary))
     };
     arguments.plan.note_window();
     let progress = Progress::spinning("planning");
-    let plans = arguments.plan.profiles().iter().map(planned).collect::<Result<Vec<_>>>()?;
+    let plans = options.iter().map(planned).collect::<Result<Vec<_>>>()?;
     progress.finish();
-    let out = arguments.output.out.as_deref();
     let [(plan, summary)] = plans.as_slice() else {
         let summaries: Vec<_> = plans.into_iter().map(|(_, summary)| summary).collect();
         let text = if arguments.output.json {
@@ -90,25 +97,19 @@ where
     } else {
         answer(summary, &problem.name, problem.period_s()) + "\n" + &stages(summary, arguments.wide)
     };
-    match out {
-        None => output::write(None, &text)?,
-        path if arguments.output.json => output::write(path, &text)?,
-        path => {
-            let rows = plan.samples(problem, arguments.oversample)?;
-            let all = plan.periods() * u64::from(arguments.oversample);
-            let progress = Progress::planning();
-            output::write_by(path, |file| {
-                csv(file, rows, summary.curves > 1, |row| progress.periods(row, all))
-            })?;
-            progress.finish();
-            output::write(None, &text)?;
-        }
+    if terminal.is_some() {
+        let rows = plan.samples(problem, arguments.oversample)?;
+        let all = plan.periods() * u64::from(arguments.oversample);
+        let progress = Progress::planning();
+        output::write_by(out, |file| csv(file, rows, summary.curves > 1, |row| progress.periods(row, all)))?;
+        progress.finish();
     }
+    output::write(terminal.as_ref().unwrap_or(out), &text)?;
     Ok(Ending::Good)
 }
 
 /// Prints the decisions of the profile flexible.
-fn explain<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Ending> {
+fn explain<const D: usize>(problem: &Problem<D>, arguments: &Arguments, out: &Place) -> Result<Ending> {
     if !arguments.plan.allows_flexible() {
         bail!(
             "--explain is about the profile flexible, which merges transitions: expected --profile flexible, or none at all"
@@ -120,7 +121,7 @@ fn explain<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Resul
     let rows = MergeRow::all(problem, options.end_feeds_mm_per_s)?;
     progress.finish();
     let text = if arguments.output.json { json(&rows)? } else { explained(&rows, problem, arguments.wide) };
-    output::write(arguments.output.out.as_deref(), &text)?;
+    output::write(out, &text)?;
     Ok(Ending::Good)
 }
 

@@ -58,7 +58,8 @@ pub(crate) fn read(path: &Path) -> Result<Machine> {
     if let Some(word) = word.filter(|_| !path.exists()) {
         bail!("--machine {word}: no such preset and no such file: {}", expected(word));
     }
-    Ok(part_program::read_machine(&path.display().to_string(), &files::text(path, files::MOST_OF_PART)?)?)
+    let text = files::text("--machine", path, files::MOST_OF_PART)?;
+    Ok(part_program::read_machine(&path.display().to_string(), &text)?)
 }
 
 /// The preset of a name.

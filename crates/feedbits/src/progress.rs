@@ -12,7 +12,8 @@ use crate::output;
 const FIRST_LINE: Duration = Duration::from_secs(10);
 const NEXT_LINE: u32 = 4;
 
-/// A bar on the terminal's error stream. If that is no terminal, as in a log, long work is reported there by a few lines.
+/// A bar on the terminal's error stream. If that is no terminal, as in a log, long work is reported there by a few lines. With
+/// the first one the work begins: notes and warnings so far are printed.
 pub(crate) struct Progress(ProgressBar);
 
 impl Progress {
@@ -27,6 +28,7 @@ impl Progress {
     }
 
     fn shown(bar: ProgressBar) -> Self {
+        output::begin_work();
         if output::is_quiet() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         } else if bar.is_hidden() {

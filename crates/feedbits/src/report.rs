@@ -1,9 +1,9 @@
 //! The report of a comparison, as a folder.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use format_compare::{
     Compared, Comparison, Dimension, Engine, ExactPlan, Options, Problem, Space, Verdict, Watch,
 };
@@ -11,7 +11,11 @@ use format_report::{Material, Report, Schedule, Solver};
 use target_cost::{StepCost, Target, built_in};
 
 use crate::formats::by_name;
-use crate::{output, progress};
+use crate::places::Folder;
+use crate::{files, output, progress};
+
+/// The option that names the folder of a report.
+const REPORT: &str = "--report";
 
 /// The folder of the report if no command is given.
 pub(crate) const FOLDER: &str = "feedbits-report";
@@ -26,19 +30,18 @@ const RECORDED_PERIODS: usize = 200;
 /// folder. What is begun is said at once, for a log shows nothing else until the answer is there.
 pub(crate) fn default_command() -> Vec<&'static str> {
     progress::announce("comparing formats on the built-in example, which takes a few seconds");
-    match fs::create_dir_all(FOLDER) {
-        Ok(()) => vec!["feedbits", "compare", "--report", FOLDER],
+    match Folder::named(REPORT, Path::new(FOLDER)) {
+        Ok(_) => vec!["feedbits", "compare", REPORT, FOLDER],
         Err(error) => {
-            output::note(&format!("no report: cannot make the folder {FOLDER}: {error}"));
+            output::note(&format!("no report: {error:#}"));
             vec!["feedbits", "compare"]
         }
     }
 }
 
-/// Writes the report and returns the page's path. The page is written last, so it never names a file that does not
-/// exist.
+/// Writes the report of a comparison, as [`into()`] does.
 pub(crate) fn write<const D: usize>(
-    folder: &Path,
+    folder: &Folder,
     problem: &Problem<D>,
     compared: &Compared,
     targets: &[Target],
@@ -73,39 +76,58 @@ where
 /// Samples of the plan in a picture, at most, beside those at the ends of stages.
 const PICTURED: u64 = 1 << 17;
 
-/// The command as it was given, in words that a shell reads as the same arguments: a name in it may hold `;` or `$(`.
+/// The command as it was given, in words that a shell reads as the same arguments: a name in it may hold `;` or `$(`. A substitute stands
+/// for each byte of a name that is no text.
 pub(crate) fn command() -> String {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let arguments: Vec<String> = arguments.collect();
     // No argument has a zero byte, the one that cannot be quoted.
     let words = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
     format!("feedbits {words}").trim_end().to_string()
 }
 
-/// Writes a report into a folder, which is made if it does not exist. The page is written last. Returns the page's
-/// path.
+/// Writes a report into its folder. Returns the page's path.
 ///
-/// Before, the unfinished files of an interrupted run are removed. Afterwards, files are removed that the page of an
-/// earlier report listed and the new page does not. All other files in the folder stay.
-pub(crate) fn into(folder: &Path, report: &Report) -> Result<PathBuf> {
-    make_folder(Some(folder))?;
-    output::clear_unfinished(folder);
-    let page = folder.join(Report::PAGE);
-    let before = fs::read_to_string(&page).map(|page| format_report::listed(&page)).unwrap_or_default();
-    for (name, content) in report.files.iter().rev() {
-        output::write(Some(&folder.join(name)), content)?;
-    }
-    for name in before.iter().filter(|name| report.files.iter().all(|(kept, _)| kept != *name)) {
+/// All files are written whole, under other names, before the first of them takes its place: where the disk is full, or
+/// the run is killed until then, the report that was there before is unchanged. Then files take their places in this order:
+/// those that the earlier page does not list, those that it lists, and the page. At last, files are removed that only the
+/// earlier page listed. All other files in the folder stay.
+///
+/// So a page is the old one or the new one, whole, at any time, with all its pictures, which are in it, and it lists no
+/// file that does not exist. A run that is killed while files take their places leaves the old page, and beside it
+/// tables and pictures of which the first are new; each is whole, and the next report replaces all of them. What an
+/// interrupted run has left of unfinished files is removed first.
+pub(crate) fn into(folder: &Folder, report: &Report) -> Result<PathBuf> {
+    let before = listed(folder);
+    let mut files: Vec<(&str, &str)> =
+        report.files.iter().map(|(name, content)| (name.as_str(), content.as_str())).collect();
+    let is_listed = |name: &str| before.iter().any(|listed| listed == name);
+    files.sort_by_key(|(name, _)| (*name == Report::PAGE, is_listed(name)));
+    folder.write(&files)?;
+    let page = folder.path().join(Report::PAGE);
+    for name in before.iter().filter(|name| files.iter().all(|(kept, _)| kept != *name)) {
         // If somebody else has removed the file already, that is no error.
-        let _ = fs::remove_file(folder.join(name));
+        let _ = fs::remove_file(folder.path().join(name));
     }
     Ok(page)
 }
 
-/// Makes the folder of a report, if one is named and it does not exist. This is done before long work, whose result
-/// would otherwise be lost.
-pub(crate) fn make_folder(folder: Option<&Path>) -> Result<()> {
-    let Some(folder) = folder else { return Ok(()) };
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
+/// The folder of a report that an option names, made before long work, whose result would otherwise be lost. Files of a
+/// report that is there now are replaced or removed, so none of them may be an input.
+pub(crate) fn folder(path: Option<&Path>) -> Result<Option<Folder>> {
+    let Some(path) = path else { return Ok(None) };
+    let folder = Folder::named(REPORT, path)?;
+    folder.place(Report::PAGE)?;
+    listed(&folder).iter().try_for_each(|name| folder.place(name).map(|_| ()))?;
+    Ok(Some(folder))
+}
+
+/// The files that the page in a folder lists, if it is a report's.
+fn listed(folder: &Folder) -> Vec<String> {
+    let page = File::open(folder.path().join(Report::PAGE))
+        .map(|page| files::taken(Report::PAGE, page, files::MOST_OF_PART));
+    let text = page.ok().and_then(Result::ok).and_then(|bytes| String::from_utf8(bytes).ok());
+    text.map(|page| format_report::listed(&page)).unwrap_or_default()
 }
 
 /// Runs by the papers' solvers in f64 that follow the same plan; they run on a single curve only.

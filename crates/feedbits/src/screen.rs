@@ -1,6 +1,8 @@
 //! Text for a terminal of 80 columns: folded lines, tables that fit, and figures for people. Names and other text from outside that a
 //! terminal would act on becomes a `?` here.
 
+use std::borrow::Cow;
+
 use anstyle::{AnsiColor, Style};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use foreign_text::{in_a_line, in_lines};
@@ -43,14 +45,22 @@ pub(crate) fn labelled(label: &str, text: &str) -> String {
     textwrap::fill(&in_lines(text), whole_words().initial_indent(label).subsequent_indent(&below)) + "\n"
 }
 
-/// A message of one line or more. Lines that show a file, each behind a bar, and the line with the place are not
-/// folded.
+/// Bytes of a message, at most, with the end of its last line.
+pub(crate) const MOST_BYTES: usize = 2000;
+
+/// Characters of a word in a message, at most: of a longer one, as a name or a number may be, the begin and the end are
+/// shown.
+const LONGEST_WORD: usize = 240;
+
+/// A message of one line or more, of [`MOST_BYTES`] at most: of a longer one the middle is left out, and so is that of a
+/// long word. Lines that show a file, each behind a bar, and the line with the place are not folded.
 pub(crate) fn message(text: &str) -> String {
     let is_shown = |line: &str| {
         let line = line.trim_start().trim_start_matches(|c: char| c.is_ascii_digit()).trim_start();
         line.starts_with('|') || line.starts_with("-->")
     };
     let lines = text.split('\n').map(|line| {
+        let line: &str = &line.split_inclusive(' ').map(shortened).collect::<String>();
         if is_shown(line) {
             return line.to_string();
         }
@@ -58,7 +68,26 @@ pub(crate) fn message(text: &str) -> String {
         let below = (line.len() - text.len()).min(COLUMNS / 4);
         textwrap::fill(line, whole_words().subsequent_indent(&" ".repeat(below)))
     });
-    lines.collect::<Vec<_>>().join("\n")
+    let text = lines.collect::<Vec<_>>().join("\n");
+    if text.len() < MOST_BYTES { text } else { without_middle(&text, MOST_BYTES - 1 - "…".len()) }
+}
+
+/// A word of a message.
+fn shortened(word: &str) -> Cow<'_, str> {
+    let count = word.chars().count();
+    if count <= LONGEST_WORD {
+        return word.into();
+    }
+    let (begin, end) = (LONGEST_WORD * 2 / 3, LONGEST_WORD / 3);
+    let at = |place: usize| word.char_indices().nth(place).map_or(word.len(), |(at, _)| at);
+    format!("{}…{}", &word[..at(begin)], &word[at(count - end)..]).into()
+}
+
+/// A text with `most` bytes of its begin and end.
+fn without_middle(text: &str, most: usize) -> String {
+    let begin = text.floor_char_boundary(most * 2 / 3);
+    let end = text.ceil_char_boundary(text.len() - most / 3);
+    format!("{}…{}", &text[..begin], &text[end..])
 }
 
 /// A table no wider than the screen; an empty text without rows. Figures are aligned to the right, words to the left.
@@ -218,5 +247,24 @@ mod tests {
         assert!(shown.ends_with(&excerpt), "{shown}");
         let words = shown.lines().take_while(|line| !line.contains("-->")).flat_map(str::split_whitespace);
         assert!(words.skip(1).all(|word| word == "--piece-length-of-a-part"), "{shown}");
+    }
+
+    /// Of a long message the middle is left out, at the borders of characters. A word, as a name or a number, keeps its
+    /// begin and end, so that the place behind a name stays.
+    #[test]
+    fn a_message_has_an_end() {
+        let long = "ä".repeat(5000);
+        let place = format!("error: {long} is no number\n  --> {long}.nc:17:3\n   = expected: a number");
+        let shown = message(&place);
+        assert!(shown.len() < MOST_BYTES, "{}", shown.len());
+        for kept in ["error: ääää", "… ", "is no number", "äää.nc:17:3", "= expected: a number"] {
+            assert!(shown.contains(kept.trim_end()), "{kept} in {shown}");
+        }
+        for count in [60, 200, 400, 401, 402, 1000, 100_000] {
+            let shown = message(&format!("begin {}end", "äöü ".repeat(count)));
+            assert!(shown.len() < MOST_BYTES, "{count}: {}", shown.len());
+            assert!(shown.starts_with("begin ä") && shown.ends_with("ü end"), "{shown}");
+            assert_eq!(shown.contains('…'), count > 282, "{count}: {shown}");
+        }
     }
 }

@@ -16,6 +16,7 @@ use servo_sim::{ServoParameters, Tuning, tuning_table};
 
 use crate::ending::Ending;
 use crate::input::AnyProblem;
+use crate::places::Place;
 use crate::progress::Progress;
 use crate::{files, output};
 pub(crate) use arguments::Arguments;
@@ -30,13 +31,11 @@ const EXAMPLE: &str = include_str!("../../../data/servo.toml");
 /// Simulates and prints.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let servo = parameters(arguments.servo.as_ref())?;
-    for path in [&arguments.output.out, &arguments.plot] {
-        output::expect_place(path.as_deref())?;
-    }
+    let out = arguments.output.place()?;
+    let plotted = arguments.plot.as_deref().map(|path| Place::named("--plot", Some(path))).transpose()?;
     if arguments.paper_table {
-        return paper::print(&servo, arguments);
+        return paper::print(&servo, arguments.output.json, &out);
     }
-    let progress = Progress::spinning("simulating the axes");
     let (part, period, formats) = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => {
             (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
@@ -45,12 +44,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
             (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
         }
     };
+    let progress = Progress::spinning("simulating the circle test");
     let test = circle_test(arguments, &servo, period)?;
     let circle = circle(&servo, &test)?;
     let Tuning { rows: tuning, left_out } = tuning_table(&[servo; 2], &test).context("tuning table")?;
     progress.finish();
-    if let Some(path) = &arguments.plot {
-        plot(path, &servo, &test, &circle)?;
+    if let Some(place) = &plotted {
+        plot(place, &servo, &test, &circle)?;
     }
     let report = Report {
         part,
@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     } else {
         shown(&report, &first_rows(&report, arguments.run.names_engine()), narrow_table)
     };
-    output::write(arguments.output.out.as_deref(), &text)?;
+    output::write(&out, &text)?;
     Ok(ending(&report))
 }
 
@@ -89,7 +89,7 @@ fn ending(report: &Report) -> Ending {
 
 fn parameters(path: Option<&PathBuf>) -> Result<ServoParameters> {
     match path {
-        Some(path) => ServoParameters::from_toml(&files::text(path, files::MOST_OF_SMALL)?)
+        Some(path) => ServoParameters::from_toml(&files::text("--servo", path, files::MOST_OF_SMALL)?)
             .with_context(|| path.display().to_string()),
         None => ServoParameters::from_toml(EXAMPLE).context("built-in servo example"),
     }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use target_cost::Target;
 use types::{Language, Types};
 
-use crate::baseline::{self, BaselineArguments};
+use crate::baseline::{self, Baseline, BaselineArguments};
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
@@ -84,12 +84,12 @@ impl Arguments {
 
 /// Searches and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    output::expect_place(arguments.output.out.as_deref())?;
+    let out = arguments.output.place()?;
     let baseline = arguments.baseline.read("size")?;
     let targets = arguments.targets.read()?;
     let (found, types) = match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => size(&problem, arguments, &targets)?,
-        AnyProblem::Spatial(problem) => size(&problem, arguments, &targets)?,
+        AnyProblem::Planar(problem) => size(&problem, arguments, &targets, baseline.as_ref())?,
+        AnyProblem::Spatial(problem) => size(&problem, arguments, &targets, baseline.as_ref())?,
     };
     let sizing = &found.sizing;
     let is_met = if arguments.types.is_some() { sizing.mixed.is_some() } else { sizing.uniform.is_some() };
@@ -102,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
             return Ok(Ending::RequirementNotMet);
         }
     };
-    output::write(arguments.output.out.as_deref(), &text)?;
+    output::write(&out, &text)?;
     let ending = if is_met { Ending::Good } else { Ending::RequirementNotMet };
     baseline.map_or(Ok(ending), |baseline| baseline.judge(&found, ending))
 }
@@ -127,15 +127,17 @@ fn size<const D: usize>(
     problem: &Problem<D>,
     arguments: &Arguments,
     targets: &[Target],
+    baseline: Option<&Baseline>,
 ) -> Result<(Found, Option<String>)>
 where
     Space: Dimension<D>,
 {
-    let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
     let options = arguments.run.options_for(problem)?;
     if options.engine != Engine::Pieces {
         bail!("registers are sized for compiled pieces: give --evaluate pieces, or nothing");
     }
+    baseline.map_or(Ok(()), |baseline| baseline.expect_question(&problem.name, &problem.machine))?;
+    let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
     let formats = selected::<D>(&["f64".to_string()])?;
     let (plan, datapath) =
         (format_compare::plan_for(problem, formats[0].as_ref(), &options)?, arguments.datapath());

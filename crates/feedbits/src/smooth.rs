@@ -15,6 +15,7 @@ use crate::ending::Ending;
 use crate::input::Input;
 use crate::numbers::{number, within};
 use crate::output;
+use crate::places::Place;
 use crate::progress::Progress;
 
 /// Options of `smooth`.
@@ -57,19 +58,20 @@ enum Outer {
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let tolerance_mm = arguments.tolerance;
     let lambda = arguments.lambda;
+    let out = arguments.out.as_deref().map(|out| Place::named("--out", Some(out))).transpose()?;
+    let terminal = Place::terminal()?;
     let (part, machine) = arguments.input.part_and_machine()?;
     let outer = match arguments.outer {
         Outer::Loop => CornerStyle::Loop,
         Outer::Cut => CornerStyle::Cut,
     };
-    output::expect_place(arguments.out.as_deref())?;
     let progress = Progress::spinning("smoothing and planning");
     let mut smoothed = path_smooth::smooth(&part, &machine, &Options { tolerance_mm, outer, lambda })?;
-    let form = arguments.out.as_deref().map(|path| Form::of(path, arguments.input.dialect()));
+    let form = out.as_ref().and_then(Place::path).map(|path| Form::of(path, arguments.input.dialect()));
     let written = form.map(|form| form.text_of(&mut smoothed));
     progress.finish();
-    let kept = match (&arguments.out, written) {
-        (Some(path), Some(text)) => text.and_then(|text| output::write(Some(path), &text)),
+    let kept = match (&out, written) {
+        (Some(out), Some(text)) => text.and_then(|text| output::write(out, &text)),
         _ => Ok(()),
     };
     let report = &smoothed.report;
@@ -78,7 +80,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     } else {
         print::text(report, arguments.wide)
     };
-    output::write(None, &text)?;
+    output::write(&terminal, &text)?;
     // The error comes last: the report is valid without the file.
     kept?;
     Ok(if report.faults().is_empty() { Ending::Good } else { Ending::RequirementNotMet })

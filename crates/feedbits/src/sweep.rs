@@ -1,12 +1,11 @@
 //! `feedbits sweep`: for which periods, feeds and part sizes does a format stay good?
 
 use std::collections::{BTreeMap, HashSet};
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use domains::Key;
@@ -25,8 +24,10 @@ use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::Input;
 use crate::numbers::{refusal, whole};
+use crate::places::{Folder, Place};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
+use crate::sweep_file::SweepFile;
 use crate::targets::TargetArguments;
 use crate::{candidates, output, report, sweep_file};
 
@@ -188,15 +189,34 @@ struct Base {
 
 /// Sweeps, or continues where an earlier run ended.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let places = Places {
+        folder: report::folder(arguments.report.as_deref())?,
+        file: Place::named("--out", Some(&arguments.out.clone().unwrap_or_else(|| arguments.shard.file())))?,
+        terminal: Place::terminal()?,
+    };
     let (part, machine) = arguments.run.part_and_machine(&arguments.input)?;
     if part.curves.iter().all(|curve| curve.dimension() == 2) {
-        sweep::<2>(part, machine, arguments)
+        sweep::<2>(part, machine, &places, arguments)
     } else {
-        sweep::<3>(part, machine, arguments)
+        sweep::<3>(part, machine, &places, arguments)
     }
 }
 
-fn sweep<const D: usize>(part: Part, machine: Machine, arguments: &Arguments) -> Result<Ending>
+/// Where the results of a sweep go.
+pub(crate) struct Places {
+    /// The folder of the report, if there is to be one.
+    pub(crate) folder: Option<Folder>,
+    /// The file of all cells.
+    pub(crate) file: Place,
+    pub(crate) terminal: Place,
+}
+
+fn sweep<const D: usize>(
+    part: Part,
+    machine: Machine,
+    places: &Places,
+    arguments: &Arguments,
+) -> Result<Ending>
 where
     Space: Dimension<D>,
 {
@@ -204,9 +224,7 @@ where
     let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
     let base = Base::new::<D>(part, machine, arguments.targets.read()?)?;
     let plan = base.sweep(arguments, &formats, &engines, &options)?;
-    report::make_folder(arguments.report.as_deref())?;
-    let out = arguments.out.clone().unwrap_or_else(|| arguments.shard.file());
-    let (file, done) = sweep_file::resume(&out, &plan)?;
+    let (file, done) = SweepFile::resume(&places.file, &plan)?;
     let known: HashSet<usize> = done.iter().map(|cell| cell.cell).collect();
     let left: Vec<usize> =
         (0..plan.len()).filter(|cell| arguments.shard.has(*cell) && !known.contains(cell)).collect();
@@ -214,13 +232,11 @@ where
     progress.start_at(done.len());
     let file = Mutex::new(file);
     let cells = feed_plan::in_parallel(&left, |number| -> Result<SweepCell> {
+        let file = || file.lock().unwrap_or_else(PoisonError::into_inner);
+        // Once the disk is full no cell is run in vain.
+        file().expect_room()?;
         let cell = base.cell(&plan, *number, arguments.most_periods, (&formats, &engines, &options))?;
-        let line = serde_json::to_string(&cell)? + "\n";
-        // A whole line is written at once, so an interrupted sweep tears only the last one.
-        let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        file.write_all(line.as_bytes())
-            .and_then(|()| file.flush())
-            .context("cannot write a finished cell")?;
+        file().add(&cell)?;
         progress.step();
         Ok(cell)
     });
@@ -228,17 +244,17 @@ where
     let mut cells: Vec<SweepCell> =
         cells.into_iter().chain(done.into_iter().map(Ok)).collect::<Result<_>>()?;
     cells.sort_by_key(|cell| cell.cell);
-    conclude(&plan, &cells, &out, arguments.report.as_deref())
+    conclude(&plan, &cells, places)
 }
 
-/// Prints the results, and writes the report if the options name a folder for it.
-pub(crate) fn conclude(
-    plan: &Sweep,
-    cells: &[SweepCell],
-    file: &Path,
-    folder: Option<&Path>,
-) -> Result<Ending> {
-    let mut text = format!("{} of {} cells in {}\n", cells.len(), plan.len(), file.display());
+/// Prints the results. Before, writes the report if there is to be one: if it cannot be written, nothing is printed beside
+/// the error.
+pub(crate) fn conclude(plan: &Sweep, cells: &[SweepCell], places: &Places) -> Result<Ending> {
+    let Places { folder, file, terminal } = places;
+    let report = |folder| report::into(folder, &plan.report(cells, &report::command())?);
+    let page = folder.as_ref().map(report).transpose()?;
+    let file = file.path().map_or_else(String::new, |file| file.display().to_string());
+    let mut text = format!("{} of {} cells in {file}\n", cells.len(), plan.len());
     for (run, name) in plan.runs.iter().enumerate() {
         let (good, all) = plan.good(cells, run);
         text += &format!("{name}: good in {good} of {all}\n");
@@ -252,9 +268,8 @@ pub(crate) fn conclude(
         text += &format!("{skipped} cells were not run; the file says why\n");
     }
     // The names in it come from files.
-    output::write(None, &in_lines(&text))?;
-    if let Some(folder) = folder {
-        let page = report::into(folder, &plan.report(cells, &report::command())?)?;
+    output::write(terminal, &in_lines(&text))?;
+    if let Some(page) = page {
         output::note(&format!("report in {}", page.display()));
     }
     // A shard lacks cells that other shards may have.

@@ -1,5 +1,8 @@
 //! The file of a sweep. Its first line holds the sweep's parameters. Then it has a line of JSON for each cell, in the
 //! order in which they end. A whole line is written at once, so an interruption tears only the last one.
+//!
+//! The last member of each line, `crc32`, is the checksum of the bytes of the line before it, in eight hexadecimal digits. So a
+//! line in which a digit was changed is told from one that was written.
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -10,48 +13,122 @@ use anyhow::{Context, Result, bail};
 use foreign_text::in_a_file_name;
 use format_report::{Sweep, SweepCell};
 use part_program::MAX_TEXT;
+use secant_interp::crc32;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
-use crate::output;
+use crate::places::Place;
+use crate::{files, output};
 
-/// Opens the file of a sweep and returns the cells that it has. No other sweep may write it until it is closed. A file
-/// that is not of this sweep is left unchanged. If its last line is torn, that line is cut off.
-pub(crate) fn resume(path: &Path, plan: &Sweep) -> Result<(File, Vec<SweepCell>)> {
-    let name = path.display();
-    let cannot = || format!("cannot open {name}");
-    let mut file = OpenOptions::new()
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(path)
-        .with_context(cannot)?;
-    lock(&file, path)?;
-    let header = serde_json::to_string(plan)? + "\n";
-    let (found, lines) = parsed(&name.to_string(), BufReader::new(&file))?;
-    let torn = !lines.last.is_empty();
-    let Some((found, cells)) = found else {
-        if !header.as_bytes().starts_with(&lines.last) {
-            bail!("{name} is not the file of a sweep: give another --out");
+/// The file of a sweep that runs.
+pub(crate) struct SweepFile {
+    file: File,
+    /// Total length of the whole lines, in bytes.
+    whole: u64,
+    /// Why a cell could not be written. No other is written after it.
+    failure: Option<String>,
+}
+
+impl SweepFile {
+    /// Opens the file of a sweep and returns the cells that it has. No other sweep may write it until it is closed. A
+    /// file that is not of this sweep is left unchanged. If its last line is torn, that line is cut off.
+    pub(crate) fn resume(place: &Place, plan: &Sweep) -> Result<(Self, Vec<SweepCell>)> {
+        let Some(path) = place.path() else { bail!("a sweep needs a file: give --out") };
+        let name = path.display();
+        let cannot = || format!("cannot open {name}");
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path)
+            .with_context(cannot)?;
+        lock(&file, path)?;
+        let header = line(plan)?;
+        let (found, lines) = parsed(&name.to_string(), BufReader::new(&file))?;
+        let (torn, whole) = (!lines.last.is_empty(), lines.whole);
+        let Some((found, cells)) = found else {
+            if !header.as_bytes().starts_with(&lines.last) {
+                bail!("{name} is not the file of a sweep: give another --out");
+            }
+            if torn {
+                file.set_len(0).with_context(cannot)?;
+                file.seek(SeekFrom::Start(0)).with_context(cannot)?;
+            }
+            let mut file = Self { file, whole: 0, failure: None };
+            file.add_line(&header)?;
+            return Ok((file, Vec::new()));
+        };
+        if found != *plan {
+            bail!(
+                "{name} is of another sweep (another part, machine, grid, list of formats or options): give another --out, or the \
+                 arguments it was begun with"
+            );
         }
         if torn {
-            file.set_len(0).with_context(cannot)?;
-            file.seek(SeekFrom::Start(0)).with_context(cannot)?;
+            output::note(&format!("the last line of {name} was torn and is run again"));
+            file.set_len(whole).with_context(cannot)?;
         }
-        file.write_all(header.as_bytes()).with_context(cannot)?;
-        return Ok((file, Vec::new()));
-    };
-    if found != *plan {
+        file.seek(SeekFrom::End(0)).with_context(cannot)?;
+        Ok((Self { file, whole, failure: None }, cells))
+    }
+
+    /// Adds a cell that is finished.
+    ///
+    /// # Errors
+    /// If it cannot be written, as on a full disk, or if one before it could not. The file then ends behind the last
+    /// whole line.
+    pub(crate) fn add(&mut self, cell: &SweepCell) -> Result<()> {
+        self.add_line(&line(cell)?)
+    }
+
+    /// An error if a cell could not be written.
+    pub(crate) fn expect_room(&self) -> Result<()> {
+        self.failure.as_ref().map_or(Ok(()), |failure| bail!("cannot write a finished cell: {failure}"))
+    }
+
+    fn add_line(&mut self, line: &str) -> Result<()> {
+        self.expect_room()?;
+        if let Err(error) = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush()) {
+            self.failure = Some(error.to_string());
+            // If what is torn cannot be cut off either, the next sweep does it.
+            let _ = self.file.set_len(self.whole);
+        } else {
+            self.whole += u64::try_from(line.len())?;
+        }
+        self.expect_room()
+    }
+}
+
+/// The begin of the last member of a line, and its end after the digits.
+const CHECKSUM: [&str; 2] = [",\"crc32\":\"", "\"}\n"];
+
+/// A line of the file: the parameters, or a cell.
+pub(crate) fn line(value: &impl Serialize) -> Result<String> {
+    let object = serde_json::to_string(value)?;
+    let members = object.strip_suffix('}').unwrap_or(&object);
+    Ok(format!("{members}{}", checksum_of(members)))
+}
+
+/// The end of a line: the checksum of what is before it.
+fn checksum_of(members: &str) -> String {
+    format!("{}{:08x}{}", CHECKSUM[0], crc32(members.as_bytes()), CHECKSUM[1])
+}
+
+/// What a line holds. `expected` says what that shall be.
+fn read_line<T: DeserializeOwned>(line: &[u8], expected: &str) -> Result<T> {
+    let text = str::from_utf8(line).ok();
+    let Some((members, digits)) = text.and_then(|text| text.rsplit_once(CHECKSUM[0])) else {
         bail!(
-            "{name} is of another sweep (another part, machine, grid, list of formats or options): give another --out, or the \
-             arguments it was begun with"
+            "expected {expected}, with a checksum at its end; without one, it was written by something else, or by an older feedbits"
+        );
+    };
+    if format!("{}{}\n", CHECKSUM[0], digits.trim_ascii_end()) != checksum_of(members) {
+        bail!(
+            "it is damaged: its checksum is that of another line; take the line out, and `feedbits sweep` runs its cell again"
         );
     }
-    if torn {
-        output::note(&format!("the last line of {name} was torn and is run again"));
-        file.set_len(lines.whole).with_context(cannot)?;
-    }
-    file.seek(SeekFrom::End(0)).with_context(cannot)?;
-    Ok((file, cells))
+    serde_json::from_str(&format!("{members}}}")).with_context(|| format!("expected {expected}"))
 }
 
 /// Keeps other sweeps out of a file. If the file cannot be locked, as on some networks, a note says so.
@@ -72,7 +149,7 @@ fn lock(file: &File, path: &Path) -> Result<()> {
 /// Reads a sweep's file. Its last line may be torn, or its cell may still be written.
 pub(crate) fn read(path: &Path) -> Result<Found> {
     let name = path.display();
-    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    let file = files::open("the file", path)?;
     let (found, _) = parsed(&name.to_string(), BufReader::new(file))?;
     found.with_context(|| format!("{name}: expected the file of a sweep, found no line of it"))
 }
@@ -90,8 +167,8 @@ fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<Found>, Lines<S>)
     if !lines.advance(name)? {
         return Ok((None, lines));
     }
-    let plan: Sweep = serde_json::from_slice(&lines.last)
-        .with_context(|| format!("{name}, line 1: expected what is swept, as `feedbits sweep` writes it"))?;
+    let plan: Sweep = read_line(&lines.last, "what is swept, as `feedbits sweep` writes it")
+        .with_context(|| format!("{name}, line 1"))?;
     if plan.len() > MOST_CELLS {
         bail!("{name}, line 1: a sweep of {} cells: expected at most {MOST_CELLS}", plan.len());
     }
@@ -99,8 +176,8 @@ fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<Found>, Lines<S>)
     let mut cells = Vec::new();
     while lines.advance(name)? {
         let number = lines.number;
-        let cell: SweepCell = serde_json::from_slice(&lines.last)
-            .with_context(|| format!("{name}, line {number}: expected a cell of the sweep"))?;
+        let cell: SweepCell = read_line(&lines.last, "a cell of the sweep")
+            .with_context(|| format!("{name}, line {number}"))?;
         let place = Some((cell.period_ms, cell.feed_mm_per_s, cell.size_mm));
         let complete = cell.skipped.is_some() || cell.results.len() == plan.runs.len();
         if plan.place(cell.cell) != place || !complete {
@@ -157,5 +234,47 @@ impl<S: BufRead> Lines<S> {
             bail!("{name}, line {}: longer than {} MiB, not a line of a sweep", self.number, MAX_TEXT >> 20);
         }
         Ok(false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell() -> SweepCell {
+        SweepCell { cell: 7, period_ms: 0.1, feed_mm_per_s: 1e-7, size_mm: 12.5, ..SweepCell::default() }
+    }
+
+    /// The checksum is zlib's of the bytes before it.
+    #[test]
+    fn a_line_is_json_with_the_checksum_of_everybody() {
+        #[derive(Serialize)]
+        struct Small {
+            cell: u32,
+        }
+        assert_eq!(line(&Small { cell: 0 }).expect("a line"), "{\"cell\":0,\"crc32\":\"d8404ab0\"}\n");
+        let line = line(&cell()).expect("a line");
+        let json: serde_json::Value = serde_json::from_str(&line).expect("JSON");
+        assert_eq!(json["cell"], 7);
+        assert_eq!(read_line::<SweepCell>(line.as_bytes(), "a cell").expect("a cell"), cell());
+    }
+
+    /// Whatever single byte of a line is another, or is missing or there twice: it is an error.
+    #[test]
+    fn every_changed_byte_is_found() {
+        let line = line(&cell()).expect("a line").into_bytes();
+        let is_refused = |changed: &[u8]| read_line::<SweepCell>(changed, "a cell").is_err();
+        for at in 0..line.len() - 1 {
+            for other in (0..=u8::MAX).filter(|other| *other != line[at]) {
+                let mut changed = line.clone();
+                changed[at] = other;
+                assert!(is_refused(&changed), "byte {at} is {other}");
+            }
+            let mut longer = line.clone();
+            longer.insert(at, line[at]);
+            let mut shorter = line.clone();
+            shorter.remove(at);
+            assert!(is_refused(&longer) && is_refused(&shorter), "byte {at}");
+        }
     }
 }

@@ -87,7 +87,8 @@ impl TargetArguments {
 fn files(paths: &[PathBuf]) -> Result<Vec<Target>> {
     let mut targets: Vec<Target> = Vec::new();
     for path in paths {
-        let target = Target::read(&path.display().to_string(), &files::text(path, files::MOST_OF_SMALL)?)?;
+        let text = files::text("--target-file", path, files::MOST_OF_SMALL)?;
+        let target = Target::read(&path.display().to_string(), &text)?;
         if let Some(known) = targets.iter().find(|known| known.name.eq_ignore_ascii_case(&target.name)) {
             bail!(
                 "{}: name = {:?}: another --target-file has {:?}; expected a name for each",
@@ -108,6 +109,7 @@ fn unknown(name: &str, known: &[Target]) -> String {
 
 /// Lists targets, or one target's numbers, or the predictions.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let place = arguments.output.place()?;
     let known: Vec<Target> = files(&arguments.target_file)?.into_iter().chain(built_in()?).collect();
     let json = arguments.output.json;
     let text = if arguments.check {
@@ -123,7 +125,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     } else {
         list(&known, arguments.wide)
     };
-    output::write(arguments.output.out.as_deref(), &text)?;
+    output::write(&place, &text)?;
     Ok(Ending::Good)
 }
 

@@ -1,6 +1,6 @@
 //! A part as a header and a source in C99.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use c_code::CName;
@@ -8,13 +8,14 @@ use format_compare::{CRequest, Dimension, Format, Space};
 
 use super::judged::{Judged, expect_room};
 use crate::output;
+use crate::places::{Place, write_together};
 use crate::progress::Progress;
 
 /// The two files, and the begin of the public names in them.
 pub(crate) struct CPlace {
     name: CName,
-    header: PathBuf,
-    source: PathBuf,
+    header: Place,
+    source: Place,
 }
 
 impl CPlace {
@@ -28,10 +29,8 @@ impl CPlace {
             bail!("--out {name}: expected a name without an ending, as `{stem}`, for {stem}.h and {stem}.c");
         }
         let name = CName::try_new(&name).context("--out")?;
-        let (header, source) = (out.with_extension("h"), out.with_extension("c"));
-        output::expect_place(Some(&header))?;
-        output::expect_place(Some(&source))?;
-        Ok(Self { name, header, source })
+        let place = |extension| Place::named("--out", Some(&out.with_extension(extension)));
+        Ok(Self { name, header: place("h")?, source: place("c")? })
     }
 }
 
@@ -56,14 +55,12 @@ where
     let files = format.c_files(problem, plan, options, &request)?;
     expect_room(files.table_bytes, flash)?;
     progress.finish();
-    output::write_together(&[(header.as_path(), &files.header), (source.as_path(), &files.source)])?;
+    write_together(&[(header, &files.header), (source, &files.source)])?;
     let (bytes, run) = (files.table_bytes, files.run);
+    let [header, source] = [header, source].map(|place| place.path().unwrap_or(Path::new("")).display());
     output::note(&format!(
-        "{} and {}: {} periods; {bytes} bytes of tables; checksum {:#018x}",
-        header.display(),
-        source.display(),
-        run.periods,
-        run.checksum
+        "{header} and {source}: {} periods; {bytes} bytes of tables; checksum {:#018x}",
+        run.periods, run.checksum
     ));
     Ok(())
 }

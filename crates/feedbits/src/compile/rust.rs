@@ -1,7 +1,5 @@
 //! A part as constants of a Rust module.
 
-use std::path::Path;
-
 use anyhow::Result;
 use foreign_text::in_a_comment;
 use format_compare::Constants;
@@ -9,12 +7,13 @@ use target_cost::{Limits, PeriodBound, period_bounds};
 
 use super::judged::{Judged, expect_room};
 use crate::output;
+use crate::places::Place;
 use crate::progress::Progress;
 
 /// Writes the constants of a Rust module.
 pub(crate) fn write<const D: usize>(
     judged: &Judged<'_, D>,
-    out: Option<&Path>,
+    place: &Place,
     flash: Option<usize>,
     progress: Progress,
 ) -> Result<()> {
@@ -23,7 +22,7 @@ pub(crate) fn write<const D: usize>(
     expect_room(constants.bytes, flash)?;
     progress.finish();
     let text = header(about, fault.as_deref(), constants.bytes) + &constants.source;
-    output::write(out, &text)?;
+    output::write(place, &text)?;
     let Constants { sections, pieces, stages, bytes, periods, checksum, limits, degree, is_plain, .. } =
         constants;
     let stops =

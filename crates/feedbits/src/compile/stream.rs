@@ -3,11 +3,12 @@
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use format_compare::{StreamFailure, StreamRequest};
 
 use super::judged::Judged;
 use crate::output;
+use crate::places::{self, Place};
 use crate::progress::Progress;
 
 /// The file, and the buffer of its reader.
@@ -19,8 +20,9 @@ pub(crate) struct StreamPlace {
 
 impl StreamPlace {
     /// The file at `out`.
-    pub(crate) fn of(out: &Path, buffer: Option<usize>) -> Result<Self> {
-        output::expect_place(Some(out))?;
+    pub(crate) fn of(out: Option<&Path>, buffer: Option<usize>) -> Result<Self> {
+        let Some(out) = out else { bail!("--stream writes a file: give --out PATH") };
+        Place::named("--out", Some(out))?;
         Ok(Self { file: out.to_path_buf(), buffer })
     }
 }
@@ -34,7 +36,7 @@ pub(crate) fn write<const D: usize>(
     let Judged { problem, plan, options, format, .. } = judged;
     let StreamPlace { file: path, buffer } = place;
     let cannot = || format!("cannot write {}", path.display());
-    let header = output::write_file(path, |file| {
+    let header = places::write_file(path, |file| {
         let mut to = BufWriter::new(file);
         let mut request = StreamRequest { buffer: *buffer, to: &mut to };
         let header = match format.stream(problem, plan, options, &mut request) {

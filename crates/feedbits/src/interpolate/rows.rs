@@ -13,20 +13,27 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// Begins a table in this file.
-    pub(super) fn new(file: &'a mut (dyn Write + Send), is_json: bool) -> Result<Self> {
+    /// Begins a table in this file. Nothing is written before the first row, for a run may be refused at its begin.
+    pub(super) fn new(file: &'a mut (dyn Write + Send), is_json: bool) -> Self {
+        Self { file, is_json, is_empty: true }
+    }
+
+    fn write_head(&mut self) -> Result<()> {
         let head = "step,time_s,span,t,u,x_mm,y_mm,z_mm,feed_mm_per_s,chord_mm,fluctuation,evaluations\n";
-        file.write_all(if is_json { b"[" } else { head.as_bytes() })?;
-        Ok(Self { file, is_json, is_empty: true })
+        self.file.write_all(if self.is_json { b"[" } else { head.as_bytes() })?;
+        Ok(())
     }
 
     /// Writes a row. In CSV each number is the shortest text that reads back as the same number.
     pub(super) fn write(&mut self, row: &SetpointRow) -> Result<()> {
+        let is_first = std::mem::take(&mut self.is_empty);
+        if is_first {
+            self.write_head()?;
+        }
         if self.is_json {
             let text = serde_json::to_string_pretty(row)?.replace('\n', "\n  ");
-            let comma = if self.is_empty { "" } else { "," };
+            let comma = if is_first { "" } else { "," };
             write!(self.file, "{comma}\n  {text}")?;
-            self.is_empty = false;
             return Ok(());
         }
         let [x, y, z] = row.point_mm;
@@ -47,7 +54,10 @@ impl<'a> Rows<'a> {
     }
 
     /// Ends the table.
-    pub(super) fn finish(self) -> Result<()> {
+    pub(super) fn finish(mut self) -> Result<()> {
+        if self.is_empty {
+            self.write_head()?;
+        }
         if self.is_json {
             self.file.write_all(if self.is_empty { b"]\n" } else { b"\n]\n" })?;
         }

@@ -11,6 +11,7 @@ use super::arguments::Arguments;
 use super::bounds::expect_end_of_circles;
 use super::report::{CircleResult, LeftOut};
 use crate::output;
+use crate::places::Place;
 
 /// Runs the circle test. A table that does not go round is a result; any other fault is an error.
 pub(super) fn circle(servo: &ServoParameters, test: &CircleTest) -> Result<CircleResult> {
@@ -25,7 +26,7 @@ pub(super) fn circle(servo: &ServoParameters, test: &CircleTest) -> Result<Circl
 
 /// Writes the roundness plot, if the table makes a circle.
 pub(super) fn plot(
-    path: &Path,
+    place: &Place,
     servo: &ServoParameters,
     test: &CircleTest,
     circle: &CircleResult,
@@ -33,7 +34,8 @@ pub(super) fn plot(
     let circle = match circle {
         CircleResult::Round(circle) => circle,
         CircleResult::DoesNotFollow { does_not_follow } => {
-            output::say(&format!("feedbits: {} is not written: {does_not_follow}", path.display()));
+            let path = place.path().unwrap_or(Path::new("the plot")).display();
+            output::say(&format!("feedbits: {path} is not written: {does_not_follow}"));
             return Ok(());
         }
     };
@@ -42,7 +44,7 @@ pub(super) fn plot(
         servo.feed_forward * 100.0,
         servo.velocity_gain_percent
     );
-    output::write(Some(path), &(roundness_plot(test, circle, &title) + "\n"))
+    output::write(place, &(roundness_plot(test, circle, &title) + "\n"))
 }
 
 /// The settings that the tuning table leaves out, one entry for each velocity gain and reason.

@@ -3,20 +3,20 @@
 use anyhow::{Context, Result};
 use servo_sim::{CircleTest, PaperCircle, PaperRow, ServoParameters, paper_table};
 
-use super::arguments::Arguments;
 use super::bounds::expect_end_of_circles;
 use super::print::micrometres;
 use crate::ending::Ending;
 use crate::output;
+use crate::places::Place;
 use crate::screen::{self, short};
 
 /// Runs the circle at the settings of the table and prints it.
-pub(super) fn print(servo: &ServoParameters, arguments: &Arguments) -> Result<Ending> {
+pub(super) fn print(servo: &ServoParameters, as_json: bool, out: &Place) -> Result<Ending> {
     // Four settings, each with two position gains.
     expect_end_of_circles("table 2 of paper D", servo, &CircleTest::PAPER, 8)?;
     let rows = paper_table(servo).context("table 2 of paper D")?;
-    let text = if arguments.output.json { serde_json::to_string_pretty(&rows)? + "\n" } else { shown(&rows) };
-    output::write(arguments.output.out.as_deref(), &text)?;
+    let text = if as_json { serde_json::to_string_pretty(&rows)? + "\n" } else { shown(&rows) };
+    output::write(out, &text)?;
     Ok(Ending::Good)
 }
 

@@ -13,6 +13,7 @@ use super::circle::circle_test;
 use super::ramp::ramped_setpoints;
 use super::report::{FormatRow, Outcome};
 use crate::formats::selected;
+use crate::progress::Progress;
 
 /// A row for each format and engine that the options name.
 pub(super) fn rows<const D: usize>(
@@ -29,8 +30,10 @@ where
     let options = arguments.run.options_for(problem)?;
     expect_rest_at_the_ends(&options)?;
     expect_end_of_part(problem, servo, &options)?;
+    let formats = selected::<D>(&arguments.formats)?;
+    let _progress = Progress::spinning("simulating the axes");
     let mut rows = Vec::new();
-    for format in selected::<D>(&arguments.formats)? {
+    for format in formats {
         let plan = format_compare::plan_for(problem, format.as_ref(), &options);
         for &engine in &engines {
             let outcome = match &plan {

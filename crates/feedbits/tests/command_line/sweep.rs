@@ -44,6 +44,15 @@ fn cells(path: &Path) -> Vec<String> {
     lines
 }
 
+/// A file whose lines were changed, each with the checksum that it has now.
+fn sealed(content: &str) -> String {
+    let line = |line: &str| {
+        let members = line.split(",\"crc32\"").next().expect("a line");
+        format!("{members},\"crc32\":\"{:08x}\"}}\n", secant_interp::crc32(members.as_bytes()))
+    };
+    content.lines().map(line).collect()
+}
+
 /// Finished cells are kept, a torn line is run again, and the result is the same as that of a single run.
 #[test]
 fn an_interrupted_sweep_goes_on_where_it_was() {
@@ -106,8 +115,8 @@ fn what_does_not_belong_together_is_refused() {
     assert!(unfolded(&other.stderr).contains("of another sweep"), "{}", unfolded(&other.stderr));
 
     let content = fs::read_to_string(folder.path().join("a.jsonl")).expect("a file");
-    fs::write(folder.path().join("b.jsonl"), content.replacen("\"good\":true", "\"good\":false", 1))
-        .expect("a file");
+    let changed = sealed(&content.replacen("\"good\":true", "\"good\":false", 1));
+    fs::write(folder.path().join("b.jsonl"), changed).expect("a file");
     let merged = feedbits_in(folder.path(), &["merge", "a.jsonl", "b.jsonl", "--out", "c.jsonl"]);
     assert_eq!(merged.status.code(), Some(2));
     assert!(
@@ -117,8 +126,8 @@ fn what_does_not_belong_together_is_refused() {
     );
     assert!(!folder.path().join("c.jsonl").exists());
 
-    fs::write(folder.path().join("d.jsonl"), content.replacen("\"cell\":0", "\"cell\":1", 1))
-        .expect("a file");
+    let moved = sealed(&content.replacen("\"cell\":0", "\"cell\":1", 1));
+    fs::write(folder.path().join("d.jsonl"), moved).expect("a file");
     let moved = feedbits_in(folder.path(), &["merge", "d.jsonl", "--out", "c.jsonl"]);
     assert!(
         unfolded(&moved.stderr).contains("d.jsonl, line 2: cell 1 does not belong"),
