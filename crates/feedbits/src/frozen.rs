@@ -146,7 +146,7 @@ fn a_comparison() {
     ];
     shows(
         &compared(&comparison("a made-up part", formats), &[]),
-        &expect_file!["../tests/terminal/compare.txt"],
+        &expect_file!["../tests/command_line/terminal/compare.txt"],
     );
 }
 
@@ -167,7 +167,10 @@ fn a_comparison_on_targets() {
             .into(),
         ..comparison("part.nc", formats)
     };
-    shows(&compared(&comparison, &targets()), &expect_file!["../tests/terminal/compare-program.txt"]);
+    shows(
+        &compared(&comparison, &targets()),
+        &expect_file!["../tests/command_line/terminal/compare-program.txt"],
+    );
 }
 
 #[test]
@@ -184,7 +187,7 @@ fn nothing_that_is_good_enough() {
         }),
         ..comparison("a made-up part", vec![run("I16F16", 5.1e-7, &[&broken.broken])])
     };
-    shows(&compared(&comparison, &[]), &expect_file!["../tests/terminal/none.txt"]);
+    shows(&compared(&comparison, &[]), &expect_file!["../tests/command_line/terminal/none.txt"]);
 }
 
 #[test]
@@ -229,5 +232,5 @@ fn the_fewest_bits() {
         not_a_question_of_format: None,
     };
     let text = size::report(&sizing) + &period_costs::of_sizing(&sizing, &targets());
-    shows(&text, &expect_file!["../tests/terminal/size.txt"]);
+    shows(&text, &expect_file!["../tests/command_line/terminal/size.txt"]);
 }

@@ -8,9 +8,14 @@ mod baseline;
 mod check;
 mod cli;
 mod convert;
+mod domains;
 #[cfg(unix)]
 mod files;
 mod machines;
+#[cfg(unix)]
+mod names;
+#[cfg(unix)]
+mod outputs;
 mod overrides;
 mod plan;
 mod report;

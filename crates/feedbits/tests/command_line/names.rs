@@ -1,7 +1,5 @@
 //! Names of files, targets and runs, and what they may not do in files that are written, on a terminal, and to a folder.
 
-#![cfg(unix)]
-
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::os::unix::ffi::{OsStrExt, OsStringExt};
@@ -17,7 +15,7 @@ const PART: &str = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [10, 0], [
                     jerk_mm_per_s3 = 400000\n";
 
 /// A target, of which a test changes name and title.
-const TARGET: &str = include_str!("../../target-cost/targets/c28x.toml");
+const TARGET: &str = include_str!("../../../target-cost/targets/c28x.toml");
 
 fn feedbits(folder: &Path, arguments: &[&str], name: &OsStr) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));

@@ -1,7 +1,5 @@
 //! Files that a call writes: none of them is an input, each is whole, and a call that is refused leaves everything as it
 //! was and says why, in one message.
-#![cfg(unix)]
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::symlink;
