@@ -9,6 +9,8 @@ use std::process::{Command, Output};
 use foreign_text::hostile::NAMES;
 use serde_json::Value;
 
+use crate::sweep::sealed;
+
 /// A part whose runs take little time.
 const PART: &str = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [10, 0], [10, 10]]\nknots = [0, 0, 0, 1, 1, 1]\n\n\
                     [machine]\ninterpolation_period_ms = 2\nfeedrate_mm_per_s = 100\nacceleration_mm_per_s2 = 5000\n\
@@ -200,7 +202,7 @@ fn a_name_moves_no_cursor() {
         }
         fs::write(
             folder.path().join(&name),
-            format!("G0 X0 Y0\nG1 X1 F60 {}\u{1b}[2J\u{202e}\n", lossy(&name)),
+            format!("G0 X0 Y0\nG1 X1 F60 !{}\u{1b}[2J\u{202e}\n", lossy(&name)),
         )
         .expect("a part");
         let refused = feedbits(folder.path(), &["check"], &name);
@@ -251,7 +253,7 @@ fn a_target_s_name_is_refused_if_it_is_no_name_of_a_file() {
             let said = text(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
             assert_eq!(output.status.code(), Some(2), "{name}: {said}");
             assert!(
-                said.contains("t.toml: name = ") && said.contains("expected letters and digits"),
+                said.contains("t.toml:2: name = ") && said.contains("expected letters and digits"),
                 "{said}"
             );
             assert_eq!(files(folder.path()), ["p.toml", "t.toml"], "nothing is written");
@@ -320,7 +322,7 @@ fn a_run_s_name_in_a_sweep_s_file_is_no_path() {
     let merged = |run: &str| {
         let header = whole.replacen("\"f32 pieces\"", &serde_json::to_string(run).expect("JSON"), 1);
         assert_ne!(header, whole);
-        fs::write(folder.path().join("t.jsonl"), header).expect("a file");
+        fs::write(folder.path().join("t.jsonl"), sealed(&header)).expect("a file");
         let _ = fs::remove_dir_all(folder.path().join("r"));
         let others = || {
             files(folder.path())

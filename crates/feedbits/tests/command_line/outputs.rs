@@ -427,7 +427,7 @@ fn a_sweep_on_a_full_disk_tears_no_line() {
     let folder = inputs();
     let lines = swept(folder.path());
     let path = folder.path().join("s.jsonl");
-    for blocks in [1, 2, 3] {
+    for blocks in [1, 2] {
         fs::remove_file(&path).expect("a file");
         let output = in_shell(folder.path(), &format!("trap '' XFSZ; ulimit -f {blocks}; feedbits {SWEEP}"));
         let said = said(&output);
@@ -451,7 +451,7 @@ fn nothing_is_printed_before_a_refusal() {
     assert!(base.status.success(), "{}", said(&base));
     for (script, word) in [
         ("plan p.nc --lenient --machine m.toml --window 5 --plan-in decimal", "unknown format"),
-        ("plan p.nc --lenient --machine m.toml --window -5", "--window -5"),
+        ("plan p.nc --lenient --machine m.toml --window -5", "invalid value '-5' for '--window"),
         ("plan p.nc --lenient --machine nothing.toml", "nothing.toml"),
         ("plan p.nc --lenient", "names no machine"),
         ("check p.nc --lenient --machine nothing.toml", "nothing.toml"),
@@ -550,7 +550,7 @@ fn a_message_is_short_however_long_a_name_is() {
         ("plan p.toml --machine key.toml".into(), vec!["key.toml:8:1", "unknown key"]),
         ("plan p.toml --machine text.toml".into(), vec!["text.toml:5:18", "jerk_mm_per_s3"]),
         ("plan p.toml --machine words.toml".into(), vec!["words.toml:5:18", "jerk_mm_per_s3"]),
-        ("plan digits.nc --machine m.toml".into(), vec!["digits.nc:1:4", "expected"]),
+        ("plan digits.nc --machine m.toml".into(), vec!["digits.nc:1:5", "expected"]),
         ("plan word.nc --machine m.toml".into(), vec!["word.nc:1:4"]),
         (format!("plan {name} --machine m.toml"), vec!["nnn.nc:1:4", "more", "`X` has no number"]),
         ("plan noise --machine m.toml".into(), vec!["noise:1:"]),

@@ -341,17 +341,17 @@ fn a_joint_that_is_not_exact_is_cut_through() {
     }
 }
 
-/// A circle of R5 at 1e-9 mm is more than a million chords, and at 1e-12 more than 2^20 in a quadrant.
+/// At 1e-9 mm a circle of R5 is more than the bytes of a program, and one of R8000 more than 2^20 chords in a quadrant.
 #[test]
 fn a_program_that_is_too_long_costs_the_file_and_not_the_report() {
-    let folder = Folder::with("G0 X0 Y0\nG3 X0 Y0 I5 F2400\nM30\n");
-    let (part, fine, machine) = (folder.path("part.nc"), folder.path("fine.nc"), data("seed-000.toml"));
-    for (tolerance, limit) in
-        [("1e-9", "bytes, and at most 67108864 (64 MiB)"), ("1e-12", "more than 2^20 chords in a span")]
+    let machine = data("seed-000.toml");
+    for (radius, limit) in
+        [("5", "bytes, and at most 67108864 (64 MiB)"), ("8000", "more than 2^20 chords in a span")]
     {
+        let folder = Folder::with(&format!("G0 X0 Y0\nG3 X0 Y0 I{radius} F12000\nM30\n"));
+        let (part, fine) = (folder.path("part.nc"), folder.path("fine.nc"));
         for options in [&[][..], &["--json"]] {
-            let arguments =
-                ["smooth", &part, "--machine", &machine, "--tolerance", tolerance, "--out", &fine];
+            let arguments = ["smooth", &part, "--machine", &machine, "--tolerance", "1e-9", "--out", &fine];
             let output = feedbits(&[&arguments, options].concat());
             let said = unfolded(&output.stderr);
             assert_eq!(output.status.code(), Some(2), "{said}");

@@ -45,7 +45,7 @@ fn cells(path: &Path) -> Vec<String> {
 }
 
 /// A file whose lines were changed, each with the checksum that it has now.
-fn sealed(content: &str) -> String {
+pub(crate) fn sealed(content: &str) -> String {
     let line = |line: &str| {
         let members = line.split(",\"crc32\"").next().expect("a line");
         format!("{members},\"crc32\":\"{:08x}\"}}\n", secant_interp::crc32(members.as_bytes()))
