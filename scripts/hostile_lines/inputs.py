@@ -4,7 +4,6 @@ import functools
 import os
 import re
 import stat
-from pathlib import Path
 
 from .watched_run import MARK, ROOT
 

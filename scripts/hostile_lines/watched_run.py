@@ -396,11 +396,14 @@ def run(case, binary, folder, slow):
     faults += status_faults(case, status, err)
     if status == 2:
         faults += refusal_faults(case, out, err)
-    if seconds > MOST_SECONDS * slow:
+    if seconds > MOST_SECONDS * slow or status == -signal.SIGXCPU:
         faults.append(f"{seconds:.1f} s of the processor")
     if memory > (most := BASE_BYTES + size * BYTES_A_BYTE.get(case.words[0] if case.words else "", BYTES_A_BYTE_OTHERS)):
         faults.append(f"{memory / 1e6:.0f} MB of memory, {most / 1e6:.0f} allowed")
     faults += folder_faults(case, status, before, work, scratch)
     if case.afterwards and not faults:
-        faults += case.afterwards(work)
+        try:
+            faults += case.afterwards(work)
+        except OSError as error:
+            faults.append(f"afterwards: {error}")
     return End(status, seconds, memory, faults)
