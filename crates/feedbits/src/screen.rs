@@ -263,7 +263,7 @@ mod tests {
         for count in [60, 200, 400, 401, 402, 1000, 100_000] {
             let shown = message(&format!("begin {}end", "äöü ".repeat(count)));
             assert!(shown.len() < MOST_BYTES, "{count}: {}", shown.len());
-            assert!(shown.starts_with("begin ä") && shown.ends_with("ü end"), "{shown}");
+            assert!(shown.starts_with("begin ä") && shown.ends_with("end"), "{shown}");
             assert_eq!(shown.contains('…'), count > 282, "{count}: {shown}");
         }
     }
