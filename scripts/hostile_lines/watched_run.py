@@ -31,9 +31,9 @@ MOST_SECONDS = 20  # of the processor
 MOST_ON_THE_CLOCK = 60
 MOST_AFTER_SIGNAL = 1.0
 MOST_MESSAGE = 2000  # bytes
-BASE_BYTES = 64e6
-BYTES_A_BYTE = {"check": 12}  # of memory, by the command
-BYTES_A_BYTE_OTHERS = 60
+# Memory: what a command may take at first, and more for each byte of its input. A plan follows the length and the time of a part, not its text.
+MEMORY_OF_CHECK = (64e6, 12)
+MEMORY_OF_OTHERS = (300e6, 60)
 UNFINISHED = re.compile(rb"(^|/)\.feedbits-\w{6}\.part$")
 KEPT_OF_A_STREAM = 1 << 21
 # Stands in every hostile name, and must come out in comments and texts alone.
@@ -160,7 +160,7 @@ def fault_of_output(path):
         return fails(xml.etree.ElementTree.fromstring, text) or ("has a script" if "<script" in text else None)
     if ending == ".html" and not text.rstrip().endswith("</html>"):
         return "ends too early"
-    if f"<script>{MARK}" in text:
+    if ending == ".html" and f"<script>{MARK}" in text:
         return "has the script of a name"
     if ending in TEXTS:
         code = comment_free(text, TEXTS[ending])
@@ -217,10 +217,22 @@ def words_of(text):
     return " ".join(text.decode("utf-8", "replace").split())
 
 
+# Words that name the place by themselves. The parser of the command line does not know which argument was no text.
+PLACES = ("invalid UTF-8 was detected in one or more arguments", "unknown format", "unknown target")
+
+
+def is_named(name, said):
+    """Whether a refusal has a word, or its begin: long words are cut, of a list one item is refused, and `-0.0` is taken for `-0`."""
+    word = words_of(os.fsencode(name))
+    begin = re.split(r"[,…]", word)[0][:40]
+    return word in said or (begin != word and begin in said) or (re.match(r"[\"'`]-\d", word) and word[:3] in said)
+
+
 def place_missing(case, said):
     """Whether a refusal has no word by which a person finds the place, and no line of a file."""
     lines = [rf"{re.escape(words_of(os.fsencode(name)))}(:\d+|\b.{{0,30}}\bline \d+)" for name in case.files]
-    return case.named and not any(words_of(os.fsencode(name)) in said for name in case.named) and not any(re.search(one, said) for one in lines)
+    is_said = any(place in said for place in PLACES) or any(is_named(name, said) for name in case.named) or any(re.search(one, said) for one in lines)
+    return case.named and not is_said
 
 
 def is_list_of_errors(case):
@@ -230,7 +242,8 @@ def is_list_of_errors(case):
 
 def refusal_faults(case, out, err):
     said = words_of(err)
-    if out and not (is_list_of_errors(case) and fails(json.loads, out) is None):
+    # `smooth` prints its report also where the program cannot be written.
+    if out and case.words[:1] != ["smooth"] and not (is_list_of_errors(case) and fails(json.loads, out) is None):
         yield f"{len(out)} bytes on the standard output before a refusal: {out[:80]!r}"
     if case.stderr == "kept" and not said:
         yield "refused without a word"
@@ -239,7 +252,7 @@ def refusal_faults(case, out, err):
 
 
 def is_below(name, outputs):
-    return any(name == output or name.startswith(output + b"/") for output in map(os.fsencode, outputs))
+    return any(name == output or name.startswith(output + b"/") for output in map(os.fsencode, map(os.path.normpath, outputs)))
 
 
 def folder_faults(case, status, before, work, scratch):
@@ -398,7 +411,8 @@ def run(case, binary, folder, slow):
         faults += refusal_faults(case, out, err)
     if seconds > MOST_SECONDS * slow or status == -signal.SIGXCPU:
         faults.append(f"{seconds:.1f} s of the processor")
-    if memory > (most := BASE_BYTES + size * BYTES_A_BYTE.get(case.words[0] if case.words else "", BYTES_A_BYTE_OTHERS)):
+    base, more = MEMORY_OF_CHECK if case.words[:1] == ["check"] else MEMORY_OF_OTHERS
+    if memory > (most := base + size * more):
         faults.append(f"{memory / 1e6:.0f} MB of memory, {most / 1e6:.0f} allowed")
     faults += folder_faults(case, status, before, work, scratch)
     if case.afterwards and not faults:

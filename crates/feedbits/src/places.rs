@@ -41,6 +41,14 @@ impl Place {
     }
 
     fn claimed(option: &str, path: &Path) -> Result<Self> {
+        if path
+            .as_os_str()
+            .as_encoded_bytes()
+            .last()
+            .is_some_and(|last| std::path::is_separator(char::from(*last)))
+        {
+            bail!("{}: a name that ends in a slash is that of a folder", cannot_write(path));
+        }
         let found = before(path)?;
         let target = target_of(path).with_context(|| cannot_write(path))?;
         claims::write(option, path, &target, found.as_ref())?;

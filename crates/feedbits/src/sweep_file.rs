@@ -23,6 +23,7 @@ use crate::{files, output};
 /// The file of a sweep that runs.
 pub(crate) struct SweepFile {
     file: File,
+    name: String,
     /// Total length of the whole lines, in bytes.
     whole: u64,
     /// Why a cell could not be written. No other is written after it.
@@ -55,7 +56,7 @@ impl SweepFile {
                 file.set_len(0).with_context(cannot)?;
                 file.seek(SeekFrom::Start(0)).with_context(cannot)?;
             }
-            let mut file = Self { file, whole: 0, failure: None };
+            let mut file = Self { file, name: name.to_string(), whole: 0, failure: None };
             file.add_line(&header)?;
             return Ok((file, Vec::new()));
         };
@@ -70,7 +71,7 @@ impl SweepFile {
             file.set_len(whole).with_context(cannot)?;
         }
         file.seek(SeekFrom::End(0)).with_context(cannot)?;
-        Ok((Self { file, whole, failure: None }, cells))
+        Ok((Self { file, name: name.to_string(), whole, failure: None }, cells))
     }
 
     /// Adds a cell that is finished.
@@ -84,13 +85,13 @@ impl SweepFile {
 
     /// An error if a cell could not be written.
     pub(crate) fn expect_room(&self) -> Result<()> {
-        self.failure.as_ref().map_or(Ok(()), |failure| bail!("cannot write a finished cell: {failure}"))
+        self.failure.as_ref().map_or(Ok(()), |failure| bail!("{failure}"))
     }
 
     fn add_line(&mut self, line: &str) -> Result<()> {
         self.expect_room()?;
         if let Err(error) = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush()) {
-            self.failure = Some(error.to_string());
+            self.failure = Some(format!("cannot write a finished cell to {}: {error}", self.name));
             // If what is torn cannot be cut off either, the next sweep does it.
             let _ = self.file.set_len(self.whole);
         } else {

@@ -433,7 +433,7 @@ fn a_sweep_on_a_full_disk_tears_no_line() {
         let output = in_shell(folder.path(), &format!("trap '' XFSZ; ulimit -f {blocks}; feedbits {SWEEP}"));
         let said = said(&output);
         assert!(output.status.code() == Some(2) && output.stdout.is_empty(), "{blocks} blocks: {said}");
-        assert!(said.contains("cannot write a finished cell: File too large"), "{said}");
+        assert!(said.contains("cannot write a finished cell to s.jsonl: File too large"), "{said}");
         let left = fs::read_to_string(&path).expect("a file");
         assert!(left.is_empty() || left.ends_with("\"}\n"), "{blocks} blocks: {left}");
         let mut again = swept(folder.path());

@@ -371,8 +371,8 @@ fn a_program_that_is_too_long_costs_the_file_and_not_the_report() {
                 assert_eq!(report["measured"], "curves", "nothing else is there");
             }
         }
+        assert_eq!(fs::read_dir(folder.0.path()).expect("the folder").count(), 1, "the program alone");
     }
-    assert_eq!(fs::read_dir(folder.0.path()).expect("the folder").count(), 1, "the program alone");
 }
 
 #[test]
