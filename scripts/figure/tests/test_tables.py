@@ -71,7 +71,7 @@ class Targets(unittest.TestCase):
         self.assertIn("| at most, K = 5, J = 1, S = 2 | M3, f32 |\n", table)
         self.assertIn("| a landing step", table.replace("instructions of ", ""))
         self.assertIn("| instructions of a period of the plan | 1,152 |\n", table)
-        self.assertIn("| the bound is so many times that | 2.00 |\n", table)
+        self.assertIn("| the bound, over the worst that was found | 2.00 |\n", table)
 
 
 if __name__ == "__main__":
