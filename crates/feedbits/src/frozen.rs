@@ -213,7 +213,7 @@ fn the_fewest_bits() {
     let registers = [
         ("parameter", "parameter", "I2F21", 23, 1.0),
         ("step_per_chord_fall", "step", "I1F1", 2, 0.8796),
-        ("weight_reciprocal", "weight", "I2F21", 23, 1.4142),
+        ("weight_reciprocal", "weight", "I2F21", 23, 1.375),
     ];
     let sizing = Sizing {
         uniform: Some(priced(tried[2].clone(), 3070.0, Some((440.0, 4)))),

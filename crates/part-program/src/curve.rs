@@ -572,7 +572,10 @@ mod tests {
         let with = |knot| Nurbs { knots: vec![0.0, 0.0, 0.0, 0.0, knot, 1.0, 1.0, 1.0, 1.0], ..cubic() };
         assert_eq!(with(1.0_f64.next_down()).faults(), [], "neighbouring doubles");
         assert_eq!(with(1e-18).faults(), []);
-        assert_eq!(domains::curve::DEGREE.value, domains::Value::Whole(1, MAX_DEGREE as u32, ""));
+        assert_eq!(
+            domains::curve::DEGREE.value,
+            domains::Value::Whole(1, u32::try_from(MAX_DEGREE).unwrap(), "")
+        );
     }
 
     #[test]

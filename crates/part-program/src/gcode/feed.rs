@@ -81,8 +81,7 @@ impl Reader<'_, '_, '_> {
             self.report.of_kind(false, span, "fast", message);
             return None;
         }
-        // Not written as `<`, which would let NaN pass.
-        if !(feedrate >= FEED.least()) {
+        if feedrate.is_nan() || feedrate < FEED.least() {
             let message = format!(
                 "a feed of {} mm/s is slower than any machine: {} mm/s is taken",
                 shown(feedrate),
