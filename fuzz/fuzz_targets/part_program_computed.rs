@@ -5,7 +5,7 @@ use feedbits_fuzz::holds;
 use libfuzzer_sys::fuzz_target;
 use part_program::Dialect;
 
-const LINES: &str = include_str!("../../crates/part-program/tests/computed_lines.txt");
+const LINES: &str = include_str!("../../crates/part-program/tests/programs/computed_lines.txt");
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((first, bytes)) = bytes.split_first() else { return };

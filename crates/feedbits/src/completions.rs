@@ -3,8 +3,6 @@
 //! The script asks this program each time the key is pressed. So it also completes lists with commas, files beside
 //! presets, and words of later versions.
 
-use std::error::Error;
-use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -50,15 +48,8 @@ pub(crate) fn answer(command: fn() -> clap::Command) -> Option<ExitCode> {
     match asked.try_complete(std::env::args_os(), folder.as_deref()) {
         Ok(false) => None,
         Ok(true) => Some(output::status_of(output::printed(Ok(())))),
-        Err(error) if is_gone(&error) => Some(ExitCode::SUCCESS),
         Err(error) => Some(output::usage(&error)),
     }
-}
-
-/// Whether an error says that the reader of the words has gone away.
-fn is_gone(error: &clap::Error) -> bool {
-    let cause = error.source().and_then(|cause| cause.downcast_ref::<io::Error>());
-    cause.is_some_and(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }
 
 #[cfg(test)]

@@ -89,7 +89,9 @@ fn is_refused(folder: &Path, script: &str, words: &[&str]) {
     for word in words {
         assert!(said.contains(word), "{script}: {word:?} is missing in {said}");
     }
-    assert!(said.starts_with("feedbits: ") && said.matches("feedbits: ").count() == 1, "{script}: {said}");
+    // The parser of the command line says what it refuses by itself.
+    let is_one = said.starts_with("feedbits: ") && said.matches("feedbits: ").count() == 1;
+    assert!(is_one || said.starts_with("error: "), "{script}: {said}");
     assert!(output.stderr.len() <= MOST_BYTES, "{script}: {} bytes", output.stderr.len());
     let after = content(folder);
     assert!(
@@ -512,6 +514,10 @@ fn what_is_printed_is_printed_whole_or_the_status_is_2() {
         let output = in_shell(folder.path(), &format!("{script} > /dev/full"));
         assert_eq!(output.status.code(), Some(2), "{script}: {}", said(&output));
         assert!(said(&output).contains("No space left"), "{script}: {}", said(&output));
+        // A shell that has asked for words reads them.
+        if script.starts_with("FEEDBITS_COMPLETE") {
+            continue;
+        }
         // The reader has ended before the program starts.
         let gone = format!("{{ sleep 0.1; {script}; echo $? > status; }} 2> messages | true");
         in_shell(folder.path(), &gone);

@@ -234,3 +234,19 @@ fn commanded_feeds(part: &Part, moves: &[usize]) -> Vec<f64> {
     let own = |index: &usize| part.moves.get(*index).and_then(|one| one.feedrate_mm_per_s);
     moves.iter().map(|index| own(index).unwrap_or(highest)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use part_program::{read_machine, read_part};
+
+    /// The second curve that is run, after a rapid move.
+    #[test]
+    fn a_curve_that_cannot_be_compiled_is_named_with_its_line() {
+        let machine = "[machine]\ninterpolation_period_ms = 1\nfeedrate_mm_per_s = 50\nacceleration_mm_per_s2 = 1000\njerk_mm_per_s3 = 4e4\n";
+        let part = read_part("p.nc", "G0 X0 Y0\nG1 X10 F600\nG0 X20\nG1 X40\n").unwrap();
+        let problem = Problem::<3>::new(&part, &read_machine("m", machine).unwrap()).unwrap();
+        let refusal = problem.refusal(CompileError::OriginOutOfRange { curve: 1 });
+        assert_eq!(refusal.to_string(), "p.nc:4: curve 1 lies beyond ±2^24 mm");
+    }
+}

@@ -67,7 +67,7 @@ fn value(format: FormatName, bits: &str) -> f64 {
     }
 }
 
-/// Test vectors list each value that a step names; an audit has their ranges, in every format. That the vectors are of the
+/// Test vectors list each value that a step names; an audit has their ranges and nothing less, in every format. That the vectors are of the
 /// run that is judged is tested beside them.
 #[test]
 fn an_audit_has_the_ranges_of_the_run_s_own_values() {
@@ -83,7 +83,13 @@ fn an_audit_has_the_ranges_of_the_run_s_own_values() {
             (*count, *min, *max) = (*count + 1, min.min(x), max.max(x));
         }
         let audit = run(format.as_ref(), (&problem, &plan), true).audit.unwrap();
-        let found = audit.signals.iter().map(|(name, range)| (*name, (range.count, range.min, range.max)));
-        assert_eq!(found.collect::<BTreeMap<_, _>>(), ranges, "{}", format.name());
+        let found: BTreeMap<_, _> =
+            audit.signals.iter().map(|(name, range)| (*name, (range.count, range.min, range.max))).collect();
+        for (name, (count, min, max)) in ranges {
+            let (all, least, most) = found[name];
+            let about =
+                format!("{} {name}: {count} of {all}, {min} to {max} in {least} to {most}", format.name());
+            assert!(count <= all && least <= min && max <= most, "{about}");
+        }
     }
 }

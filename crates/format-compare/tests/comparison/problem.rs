@@ -1,21 +1,11 @@
 //! Problems: the curves that are run, where the machine rests, and its feeds.
 
-use format_compare::{Options, Problem, format_named, plan_for};
+use format_compare::Problem;
 
 use crate::examples::on_example_machine;
 
 fn problem(program: &str) -> Problem<3> {
     on_example_machine(program, "")
-}
-
-/// The second curve that is run, after a rapid move.
-#[test]
-fn a_curve_that_cannot_be_compiled_is_named_with_its_line() {
-    let problem = problem("G0 X0 Y0\nG1 X10 F600\nG0 X20000000\nG1 X20000010\n");
-    let (format, options) = (format_named::<3>("f64").unwrap(), Options::default());
-    let plan = plan_for(&problem, format.as_ref(), &options).unwrap();
-    let refusal = format.run(&problem, &plan, &options).unwrap_err();
-    assert_eq!(refusal.to_string(), "p.nc:4: curve 1 lies beyond ±2^24 mm");
 }
 
 #[test]

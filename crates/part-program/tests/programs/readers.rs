@@ -55,7 +55,7 @@ fn faults_are_named_by_place() {
             "a number of 1e-6 to 1e5 mm/s",
         ),
         (toml("jerk_mm_per_s3 = 400000.0", "jerk_mm_per_s3 = nan"), "p.toml:14:", "`jerk_mm_per_s3` is NaN"),
-        (toml("fluctuation_limit = 1e-6", "fluctuation_limit = 2.0"), "p.toml:16:", "above 0 and below 1"),
+        (toml("fluctuation_limit = 1e-6", "fluctuation_limit = 2.0"), "p.toml:16:", "to below 1"),
         (toml("max_iterations = 5", "max_iterations = 0"), "p.toml:18:", "of 1 to 1000"),
         (toml("[machine]", "[machin]"), "p.toml:10:", "did you mean `machine`"),
         (toml("[curve]", "[curve"), "p.toml:4:", "unclosed table"),
