@@ -70,7 +70,6 @@ fn value(format: FormatName, bits: &str) -> f64 {
 /// Test vectors list each value that a step names; an audit has their ranges and nothing less, in every format. That the vectors are of the
 /// run that is judged is tested beside them.
 #[test]
-#[ignore = "not understood yet: an audit and the test vectors of a run count different numbers"]
 fn an_audit_has_the_ranges_of_the_run_s_own_values() {
     let problem = on_example_machine::<2>(EXAMPLE, "");
     let plan = ExactPlan::in_format::<f64, 2>(&problem, [0.0; 2]).unwrap();
@@ -90,7 +89,9 @@ fn an_audit_has_the_ranges_of_the_run_s_own_values() {
             let (all, least, most) = found[name];
             let about =
                 format!("{} {name}: {count} of {all}, {min} to {max} in {least} to {most}", format.name());
-            assert!(count <= all && least <= min && max <= most, "{about}");
+            // A word of 64 bits is rounded as it becomes a float.
+            let rounding = 4.0 * f64::EPSILON * min.abs().max(max.abs());
+            assert!(count <= all && least - rounding <= min && max <= most + rounding, "{about}");
         }
     }
 }

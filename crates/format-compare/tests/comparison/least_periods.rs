@@ -19,7 +19,7 @@ fn no_plan_takes_fewer_periods() {
         (|_| {}, "chord", 2.0),
         (|m| m.axes.x.velocity_mm_per_s = Some(1.0), "velocity of X", 1.3),
         (|m| m.axes.y.acceleration_mm_per_s2 = Some(1.0), "acceleration of Y", 6.0),
-        (|m| m.axes.x.jerk_mm_per_s3 = Some(0.1), "jerk of X", 6.0),
+        (|m| m.axes.x.jerk_mm_per_s3 = Some(0.1), "jerk of X", 9.0),
         (|m| m.feedrate_mm_per_s = 5.0, "feedrate", 1.02),
         (|m| m.acceleration_mm_per_s2 = 5.0, "acceleration", 1.6),
         (|m| m.jerk_mm_per_s3 = 1.0, "jerk", 2.0),
