@@ -29,6 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 STATUSES = {int(number) for number in re.findall(r"^\| (\d) \|", (ROOT / "docs" / "cluster.md").read_text(), re.M)}
 MOST_SECONDS = 20  # of the processor
 MOST_ON_THE_CLOCK = 60
+MOST_BEFORE_SIGNAL = 10.0  # that something else waits for
 MOST_AFTER_SIGNAL = 1.0
 MOST_MESSAGE = 2000  # bytes
 # Memory: what a command may take at first, and more for each byte of its input. A plan follows the length and the time of a part, not its text.
@@ -300,6 +301,7 @@ class Started:
         self.case, self.work, self.slow = case, folder / "work", slow
         self.kept = {}
         self.signalled = None
+        self.was_awaited = False
         gone = None
         if case.stdout == "gone":
             gone, to = os.pipe()
@@ -333,9 +335,10 @@ class Started:
         if self.case.signal is None or self.signalled:
             return False
         passed = time.monotonic() - self.begun
-        if self.case.signal_when and passed < 10 * self.slow:
-            return self.case.signal_when(self.work)
-        return passed > 0.4 * self.slow
+        if not self.case.signal_when:
+            return passed > 0.4 * self.slow
+        self.was_awaited = self.was_awaited or self.case.signal_when(self.work)
+        return self.was_awaited or passed > MOST_BEFORE_SIGNAL * self.slow
 
     def take(self, streams, ready):
         for stream in [one for one in streams if one.fileno() in ready]:
@@ -373,6 +376,8 @@ class Started:
                 stream.close()
         if self.case.signal and not self.signalled:
             faults.append("ended before the signal was sent")
+        elif self.case.signal_when and not self.was_awaited:
+            faults.append("what the signal waits for never came")
         elif self.case.signal and ended - self.signalled > MOST_AFTER_SIGNAL * self.slow:
             faults.append(f"went on for {ended - self.signalled:.1f} s after the signal")
         return self.process.returncode, used, bytes(out), bytes(err), faults

@@ -102,11 +102,17 @@ where
     let watch = Watch { traces: folder.is_some(), progress: &watched };
     let mut compared = format_compare::compare_with(problem, &formats, &engines, &interruptible, &watch)?;
     progress.finish();
+    let end = |finished: Comparison| interrupted(finished, arguments.output.json, out);
     if !interrupt::is_set() {
-        add_answers(problem, &mut compared, targets, shown.contains(&Engine::Pieces), &interruptible)?;
+        let finished = compared.comparison.clone();
+        let wants_fewest_bits = shown.contains(&Engine::Pieces);
+        let answers = || add_answers(problem, &mut compared, targets, wants_fewest_bits, &interruptible);
+        interrupt::unless_interrupted(answers, || {
+            output::status_of(end(finished).map(|_| ()));
+        })?;
     }
     if interrupt::is_set() {
-        return interrupted(compared.comparison, arguments.output.json, out);
+        return end(compared.comparison);
     }
     let comparison = &compared.comparison;
     let text = if arguments.output.json {

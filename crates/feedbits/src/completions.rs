@@ -3,13 +3,16 @@
 //! The script asks this program each time the key is pressed. So it also completes lists with commas, files beside
 //! presets, and words of later versions.
 
-use std::path::PathBuf;
+use std::env;
+use std::ffi::OsStr;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use clap_complete::env::Shells;
-use clap_complete::{CompleteEnv, Shell};
+use clap_complete::Shell;
+use clap_complete::env::{EnvCompleter, Shells};
 
 use crate::ending::Ending;
 use crate::output;
@@ -18,6 +21,7 @@ use crate::places::Place;
 /// The environment variable by which a script asks for words, and names its shell.
 const VARIABLE: &str = "FEEDBITS_COMPLETE";
 const PROGRAM: &str = "feedbits";
+const SHELLS: Shells<'static> = Shells::builtins();
 
 /// Options of `completions`.
 #[derive(Args)]
@@ -32,24 +36,45 @@ pub(crate) struct Arguments {
 /// Prints the script.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let place = Place::named("--out", arguments.out.as_deref())?;
-    let name = arguments.shell.to_string();
-    let shells = Shells::builtins();
-    let shell = shells.completer(&name).with_context(|| format!("no script for {name}"))?;
-    let mut script = Vec::new();
-    shell.write_registration(VARIABLE, PROGRAM, PROGRAM, PROGRAM, &mut script)?;
+    let script = script(completer(arguments.shell.to_string().as_ref())?)?;
     output::write(&place, &String::from_utf8(script)?)?;
     Ok(Ending::Good)
 }
 
 /// If a script asks for words of `command`, prints them and returns the exit status; otherwise does nothing.
 pub(crate) fn answer(command: fn() -> clap::Command) -> Option<ExitCode> {
-    let folder = std::env::current_dir().ok();
-    let asked = CompleteEnv::with_factory(command).var(VARIABLE).bin(PROGRAM);
-    match asked.try_complete(std::env::args_os(), folder.as_deref()) {
-        Ok(false) => None,
-        Ok(true) => Some(output::status_of(output::printed(Ok(())))),
-        Err(error) => Some(output::usage(&error)),
+    let shell = env::var_os(VARIABLE).filter(|shell| !shell.is_empty() && shell != "0")?;
+    let printed = words(&shell, command).and_then(|words| output::printed(io::stdout().write_all(&words)));
+    Some(output::status_of(printed))
+}
+
+/// What a shell reads: the words for the end of the command line behind `--`; the script if nothing is there.
+fn words(shell: &OsStr, command: fn() -> clap::Command) -> Result<Vec<u8>> {
+    let completer = completer(shell)?;
+    let line: Vec<_> = env::args_os().skip_while(|word| word != "--").skip(1).collect();
+    if line.is_empty() {
+        return script(completer);
     }
+    let mut command = command();
+    command.build();
+    let mut words = Vec::new();
+    completer.write_complete(&mut command, line, env::current_dir().ok().as_deref(), &mut words)?;
+    Ok(words)
+}
+
+fn script(completer: &dyn EnvCompleter) -> Result<Vec<u8>> {
+    let mut script = Vec::new();
+    completer.write_registration(VARIABLE, PROGRAM, PROGRAM, PROGRAM, &mut script)?;
+    Ok(script)
+}
+
+/// What knows the language of a shell, which is named as in the variable SHELL or in short.
+fn completer(shell: &OsStr) -> Result<&'static dyn EnvCompleter> {
+    let name = Path::new(shell).file_stem().unwrap_or(shell).to_string_lossy();
+    SHELLS.completer(&name).with_context(|| {
+        let known: Vec<_> = SHELLS.names().collect();
+        format!("{VARIABLE}: unknown shell {name:?}, expected one of {}", known.join(", "))
+    })
 }
 
 #[cfg(test)]

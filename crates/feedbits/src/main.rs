@@ -38,6 +38,7 @@ mod smooth;
 mod sweep;
 mod sweep_file;
 mod targets;
+mod unfinished;
 
 use std::process::ExitCode;
 
@@ -132,6 +133,7 @@ fn main() -> ExitCode {
     let Some(command) = arguments.command.or_else(by_default) else {
         return ExitCode::from(2);
     };
+    interrupt::watch();
     let ending = match command {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Interpolate(arguments) => interpolate::run(&arguments),

@@ -5,10 +5,9 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
-use tempfile::TempDir;
-
 use crate::claims;
+use crate::unfinished::{self, Listed, Stage};
+use anyhow::{Context, Result, bail};
 
 /// The terminal, or a file that has no other role in this call.
 pub(crate) struct Place(Option<PathBuf>);
@@ -66,7 +65,7 @@ pub(crate) struct Folder {
     option: &'static str,
     path: PathBuf,
     /// The folders that were made for it, the innermost first.
-    made: Vec<PathBuf>,
+    made: Vec<Listed>,
 }
 
 impl Folder {
@@ -78,7 +77,8 @@ impl Folder {
     pub(crate) fn named(option: &'static str, path: &Path) -> Result<Self> {
         let is_missing =
             |folder: &&Path| !folder.as_os_str().is_empty() && fs::symlink_metadata(folder).is_err();
-        let made = path.ancestors().take_while(is_missing).map(Path::to_path_buf).collect();
+        let made =
+            path.ancestors().take_while(is_missing).map(Path::to_path_buf).map(Listed::folder).collect();
         let folder = Self { option, path: path.to_path_buf(), made };
         fs::create_dir_all(path).with_context(|| format!("cannot make the folder {}", path.display()))?;
         expect_writable(path).with_context(|| format!("cannot write into the folder {}", path.display()))?;
@@ -100,27 +100,10 @@ impl Folder {
     /// Writes files by their names, as [`write_together()`] does, and leaves all others as they are. Before, removes what
     /// interrupted runs have left of unfinished files.
     pub(crate) fn write(&self, files: &[(&str, &str)]) -> Result<()> {
-        self.clear_unfinished();
+        unfinished::clear(&self.path);
         let places = files.iter().map(|(name, text)| Ok((self.place(name)?, *text)));
         let places: Vec<(Place, &str)> = places.collect::<Result<_>>()?;
         write_together(&places.iter().map(|(place, text)| (place, *text)).collect::<Vec<_>>())
-    }
-
-    /// Removes unfinished files, but none that another run still writes.
-    fn clear_unfinished(&self) {
-        for entry in fs::read_dir(&self.path).into_iter().flatten().flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let middle = name.strip_prefix(UNFINISHED[0]).and_then(|rest| rest.strip_suffix(UNFINISHED[1]));
-            let Ok(kind) = entry.file_type() else { continue };
-            let is_ours = middle.is_some_and(|by_chance| by_chance.len() == 6);
-            let is_left = |path: &Path| File::open(path).is_ok_and(|file| file.try_lock().is_ok());
-            let (path, lock) = (entry.path(), entry.path().join(LOCK));
-            if is_ours && kind.is_file() && is_left(&path) {
-                let _ = fs::remove_file(path);
-            } else if is_ours && kind.is_dir() && (is_left(&lock) || !lock.exists()) {
-                let _ = fs::remove_dir_all(path);
-            }
-        }
     }
 }
 
@@ -128,7 +111,7 @@ impl Drop for Folder {
     fn drop(&mut self) {
         for folder in &self.made {
             // A folder that holds something stays.
-            let _ = fs::remove_dir(folder);
+            let _ = fs::remove_dir(folder.path());
         }
     }
 }
@@ -143,13 +126,6 @@ pub(crate) fn cannot_write_to(place: &Place) -> String {
     place.path().map_or_else(|| "cannot write to the terminal".into(), cannot_write)
 }
 
-/// The begin and end of the name of a file, or of a folder of files, until they are whole; six random characters stand
-/// between.
-const UNFINISHED: [&str; 2] = [".feedbits-", ".part"];
-
-/// The file in a folder of unfinished files whose lock tells that the folder is no leftover.
-const LOCK: &str = "lock";
-
 /// Has `fill` write the file at `path`. The file is written under another name beside its place and renamed when it is
 /// complete, so an error leaves the old file unchanged. If `path` is a link, its target is written, whether the target
 /// exists or not. If it is not a regular file, as a device or a pipe, the bytes go to it directly. The errors of `fill`
@@ -162,10 +138,7 @@ pub(crate) fn write_file<T>(path: &Path, fill: impl FnOnce(&mut File) -> Result<
         return fill(&mut device.with_context(cannot)?);
     }
     let target = target_of(path).with_context(cannot)?;
-    let mut file =
-        unfinished().make_in(folder_of(&target), |path| File::create_new(path)).with_context(cannot)?;
-    // Until the file is closed, the lock tells that it is no leftover.
-    let _ = file.as_file().try_lock();
+    let (_listed, mut file) = unfinished::file_in(folder_of(&target)).with_context(cannot)?;
     let filled = filled(file.as_file_mut(), path, before.as_ref(), fill)?;
     file.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
     Ok(filled)
@@ -194,7 +167,7 @@ pub(crate) fn write_together(files: &[(&Place, &str)]) -> Result<()> {
             stages.insert(folder.clone(), stage);
         }
         let Some(stage) = stages.get(&folder) else { bail!(cannot()) };
-        let waiting = stage.folder.path().join(index.to_string());
+        let waiting = stage.path().join(index.to_string());
         let mut file = File::create_new(&waiting).with_context(cannot)?;
         filled(&mut file, path, before.as_ref(), |file| {
             file.write_all(text.as_bytes()).with_context(cannot)
@@ -205,29 +178,6 @@ pub(crate) fn write_together(files: &[(&Place, &str)]) -> Result<()> {
         fs::rename(waiting, target).with_context(|| cannot_write(path))?;
     }
     Ok(())
-}
-
-/// A folder in the folder of files that belong together. They wait in it until all of them are whole.
-struct Stage {
-    /// Closed before the folder is removed.
-    _lock: File,
-    folder: TempDir,
-}
-
-impl Stage {
-    fn in_folder(folder: &Path) -> io::Result<Self> {
-        let folder = unfinished().tempdir_in(folder)?;
-        let lock = File::create_new(folder.path().join(LOCK))?;
-        // Where there are no locks, no other run removes the folder either.
-        let _ = lock.try_lock();
-        Ok(Self { _lock: lock, folder })
-    }
-}
-
-fn unfinished() -> tempfile::Builder<'static, 'static> {
-    let mut names = tempfile::Builder::new();
-    names.prefix(UNFINISHED[0]).suffix(UNFINISHED[1]);
-    names
 }
 
 /// Fills a new file that is to be at `path`, where `before` is now, and waits until it is on the disk.

@@ -21,6 +21,8 @@ mod plan;
 mod report;
 mod report_in_browser;
 mod servo;
+#[cfg(unix)]
+mod signals;
 mod smooth;
 mod stream;
 mod sweep;

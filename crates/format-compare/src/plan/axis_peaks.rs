@@ -128,3 +128,43 @@ impl<I: Iterator<Item = Range<f64>>, const D: usize> Velocities<'_, I, D> {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use part_program::{read_machine, read_part};
+
+    use super::*;
+    use crate::plan::calm::straight_ways;
+    use crate::plan::plan_summary::total_acceleration;
+
+    /// Slow moves, with corners that are passed and one that is not, and an arc: what is left out is most of the time.
+    #[test]
+    fn what_is_left_out_has_no_peak() {
+        let part = "G21 G90\nG0 X0 Y0\nG1 X10 F60\nG1 X20 Y0.2\nG2 X30 Y-9.8 I0 J-10\nG1 Y-20\nG1 X0\nG0 X5 Y5\nG1 X9 Y9\n";
+        let example = include_str!("../../../../data/seed-000.toml");
+        let machine = example[example.find("[machine]").unwrap()..].split("[[").next().unwrap();
+        let machine = read_machine("m", machine).unwrap();
+        let problem = Problem::<3>::new(&read_part("p.nc", part).unwrap(), &machine).unwrap();
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
+        let limit = plan.limit(&problem).unwrap();
+        let curves = problem.fast_curves();
+        let straight = straight_ways(&curves, limit);
+        let calm = on_ways(plan.arcs().stages(), &straight).filter_map(|way| calm(&way));
+        let left_out: u64 = calm.map(|calm| calm.end - calm.start).sum();
+        assert!(left_out > plan.periods() / 2, "{left_out} of {}", plan.periods());
+        let [all, these] =
+            [&[][..], &straight].map(|straight| axis_peaks(&plan, &problem, &curves, limit, straight));
+        for (all, these) in all.iter().zip(&these) {
+            for (all, these) in [
+                (all.velocity_max_mm_per_s, these.velocity_max_mm_per_s),
+                (all.acceleration_max_mm_per_s2, these.acceleration_max_mm_per_s2),
+                (all.jerk_max_mm_per_s3, these.jerk_max_mm_per_s3),
+            ] {
+                assert!((all - these).abs() <= 1e-9 * all, "{all} {these}");
+            }
+        }
+        let [all, these] =
+            [&[][..], &straight].map(|straight| total_acceleration(&plan, &problem, limit, straight));
+        assert!((all - these).abs() <= 1e-9 * all, "{all} {these}");
+    }
+}

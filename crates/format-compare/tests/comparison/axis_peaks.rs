@@ -1,7 +1,6 @@
 //! What a plan asks of each axis.
 
-use format_compare::{ExactPlan, PlanSummary, Problem, ProfileKind, largest_second_difference};
-use nurbs_core::Evaluate;
+use format_compare::{ExactPlan, PlanSummary, ProfileKind};
 
 use crate::examples::on_example_machine;
 
@@ -47,61 +46,6 @@ fn a_step_of_curvature_is_no_jerk() {
     for axis in &summary(spline, limits).axes[..2] {
         assert!(axis.jerk_max_mm_per_s3 <= 1e5 * 1.05, "{axis:?}");
     }
-}
-
-/// The points at which periods end, each section's after another, with two more of its first and of its last point: the
-/// tool stands still there.
-fn setpoints(plan: &ExactPlan, problem: &Problem<3>) -> Vec<Vec<[f64; 3]>> {
-    let mut parts = vec![Vec::new()];
-    for sample in plan.sampled(problem, 1).unwrap() {
-        let point = problem.curves[sample.curve].as_curve().point(sample.u);
-        let is_behind_gap = problem.breaks.get(parts.len() - 1).is_some_and(|next| sample.curve >= *next);
-        if is_behind_gap {
-            let begin = problem.curves[sample.curve].control_points()[0];
-            parts.push(vec![begin]);
-        }
-        parts.last_mut().unwrap().push(point);
-    }
-    let standing =
-        |part: Vec<[f64; 3]>| [vec![part[0]; 2], part.clone(), vec![part[part.len() - 1]; 2]].concat();
-    parts.into_iter().map(standing).collect()
-}
-
-/// Slow moves, with corners that are passed and one that is not, and an arc. At constant feed along a line nothing changes:
-/// that is most of the time, and no period of it is looked at. The peaks are those of all periods, from the setpoints.
-#[test]
-fn what_is_left_out_has_no_peak() {
-    let part = "G21 G90\nG0 X0 Y0\nG1 X10 F60\nG1 X20 Y0.2\nG2 X30 Y-9.8 I0 J-10\nG1 Y-20\nG1 X0\nG0 X5 Y5\nG1 X9 Y9\n";
-    let problem = on_example_machine::<3>(part, "");
-    let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
-    let summary = PlanSummary::of(&plan, &problem).unwrap();
-    let (t, parts) = (problem.period_s(), setpoints(&plan, &problem));
-    assert_eq!(parts.len(), 2);
-    let steady: f64 = summary
-        .stages
-        .iter()
-        .filter(|one| one.kind == "constant" && one.curve_start != 2)
-        .map(|one| one.time_s)
-        .sum();
-    assert!(steady > summary.time_s / 2.0, "{steady} of {}", summary.time_s);
-    for (axis, found) in summary.axes.iter().enumerate() {
-        let mut peaks = [0.0_f64; 2];
-        for part in &parts {
-            let mut differences: Vec<f64> = part.iter().map(|point| point[axis]).collect();
-            for (order, peak) in (1..).zip(&mut peaks) {
-                differences = differences.windows(2).map(|pair| pair[1] - pair[0]).collect();
-                *peak = differences.iter().fold(*peak, |most, one| most.max(one.abs() / t.powi(order)));
-            }
-        }
-        // A setpoint's difference is a mean, which is no greater than the peak; a step of curvature is no jerk, so jerk is not compared.
-        let found = [found.velocity_max_mm_per_s, found.acceleration_max_mm_per_s2];
-        for (found, seen) in found.into_iter().zip(peaks) {
-            assert!(seen <= 1.02 * found + 1e-3, "axis {axis}: {found} {seen}");
-        }
-    }
-    let total = parts.iter().map(|part| largest_second_difference(part.iter().copied())).fold(0.0, f64::max);
-    let found = summary.total_acceleration_max_mm_per_s2 * t.powi(2);
-    assert!((found / total - 1.0).abs() < 1e-6, "{found} {total}");
 }
 
 /// The jerk at the begin of a move was once counted for the axis of the move before.
