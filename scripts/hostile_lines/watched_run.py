@@ -320,6 +320,8 @@ class Started:
         self.pidfd = os.pidfd_open(self.process.pid)
 
     def limits(self):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # which a shell has its background ignore
+            signal.signal(number, signal.SIG_DFL)
         seconds = math.ceil(MOST_SECONDS * self.slow)
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -15,7 +15,7 @@ use target_cost::Target;
 use crate::baseline::{self, Baseline, BaselineArguments};
 use crate::ending::Ending;
 use crate::formats::selected;
-use crate::input::{AnyProblem, Input};
+use crate::input::{AnyProblem, Input, in_part};
 use crate::places::{Folder, Place};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
@@ -72,8 +72,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         targets: arguments.targets.read()?,
     };
     match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => compare(&problem, &beside, arguments),
-        AnyProblem::Spatial(problem) => compare(&problem, &beside, arguments),
+        AnyProblem::Planar(problem) => in_part(&problem, compare(&problem, &beside, arguments)),
+        AnyProblem::Spatial(problem) => in_part(&problem, compare(&problem, &beside, arguments)),
     }
 }
 

@@ -24,7 +24,7 @@ use stream::StreamPlace;
 use crate::bounds::expect_an_end;
 use crate::ending::Ending;
 use crate::formats::selected;
-use crate::input::{AnyProblem, Input};
+use crate::input::{AnyProblem, Input, in_part};
 use crate::numbers::{number, whole};
 use crate::places::Place;
 use crate::progress::Progress;
@@ -125,8 +125,8 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let place = arguments.destination()?;
     let fault = match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => compiled(&problem, arguments, &place)?,
-        AnyProblem::Spatial(problem) => compiled(&problem, arguments, &place)?,
+        AnyProblem::Planar(problem) => in_part(&problem, compiled(&problem, arguments, &place))?,
+        AnyProblem::Spatial(problem) => in_part(&problem, compiled(&problem, arguments, &place))?,
     };
     let Some(fault) = fault else { return Ok(Ending::Good) };
     output::say(&format!("feedbits: {fault}"));

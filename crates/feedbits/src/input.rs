@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 use domains::options::START;
-use format_compare::Problem;
+use format_compare::{Problem, Refusal};
 use part_program::{Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Unit};
 
 use crate::files::{MOST_OF_PART, bytes, taken};
@@ -68,6 +68,14 @@ impl AnyProblem {
             Self::Spatial(problem(part, machine)?)
         })
     }
+}
+
+/// The result of work on a problem. A refusal of it says of which part, unless it does so itself.
+pub(crate) fn in_part<T, const D: usize>(problem: &Problem<D>, result: Result<T>) -> Result<T> {
+    result.map_err(|error| match error.downcast_ref() {
+        None | Some(Refusal::CurveAt { .. } | Refusal::SectionTooLong { .. }) => error,
+        Some(_) => error.context(problem.name.clone()),
+    })
 }
 
 impl Input {

@@ -19,7 +19,7 @@ use rows::Rows;
 use crate::bounds::{expect_an_end, expect_few_vectors};
 use crate::ending::Ending;
 use crate::formats::selected;
-use crate::input::{AnyProblem, Input};
+use crate::input::{AnyProblem, Input, in_part};
 use crate::numbers::{number, refusal};
 use crate::places::{Folder, Place, cannot_write_to};
 use crate::progress::Progress;
@@ -70,15 +70,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         let folder = Folder::named("--vectors", path)?;
         VECTOR_FILES.iter().try_for_each(|name| folder.place(name).map(|_| ()))?;
         let vectors = match arguments.run.problem(&arguments.input)? {
-            AnyProblem::Planar(problem) => vectors(&problem, arguments)?,
-            AnyProblem::Spatial(problem) => vectors(&problem, arguments)?,
+            AnyProblem::Planar(problem) => in_part(&problem, vectors(&problem, arguments))?,
+            AnyProblem::Spatial(problem) => in_part(&problem, vectors(&problem, arguments))?,
         };
         return write_vectors(&folder, &vectors);
     }
     let out = arguments.output.place()?;
     let stopped = match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => setpoints(&problem, arguments, &out)?,
-        AnyProblem::Spatial(problem) => setpoints(&problem, arguments, &out)?,
+        AnyProblem::Planar(problem) => in_part(&problem, setpoints(&problem, arguments, &out))?,
+        AnyProblem::Spatial(problem) => in_part(&problem, setpoints(&problem, arguments, &out))?,
     };
     let Some(format) = stopped else { return Ok(Ending::Good) };
     output::say(&format!("feedbits: the run in {format} stops before the end of the path"));

@@ -10,7 +10,7 @@ use format_compare::{Dimension, ExactPlan, MergeRow, Options, PlanSummary, Probl
 use crate::bounds::expect_an_end;
 use crate::ending::Ending;
 use crate::formats::selected;
-use crate::input::{AnyProblem, Input};
+use crate::input::{AnyProblem, Input, in_part};
 use crate::numbers::whole;
 use crate::output;
 use crate::places::Place;
@@ -51,8 +51,8 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let out = arguments.output.place()?;
     match arguments.input.read()? {
-        AnyProblem::Planar(problem) => plan(&problem, arguments, &out),
-        AnyProblem::Spatial(problem) => plan(&problem, arguments, &out),
+        AnyProblem::Planar(problem) => in_part(&problem, plan(&problem, arguments, &out)),
+        AnyProblem::Spatial(problem) => in_part(&problem, plan(&problem, arguments, &out)),
     }
 }
 

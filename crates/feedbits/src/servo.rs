@@ -15,7 +15,7 @@ use anyhow::{Context, Result};
 use servo_sim::{ServoParameters, Tuning, tuning_table};
 
 use crate::ending::Ending;
-use crate::input::AnyProblem;
+use crate::input::{AnyProblem, in_part};
 use crate::places::Place;
 use crate::progress::Progress;
 use crate::{files, output};
@@ -38,10 +38,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     }
     let (part, period, formats) = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => {
-            (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
+            (problem.name.clone(), problem.period_s(), in_part(&problem, rows(&problem, &servo, arguments))?)
         }
         AnyProblem::Spatial(problem) => {
-            (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
+            (problem.name.clone(), problem.period_s(), in_part(&problem, rows(&problem, &servo, arguments))?)
         }
     };
     let progress = Progress::spinning("simulating the circle test");

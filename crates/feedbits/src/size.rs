@@ -13,7 +13,7 @@ use types::{Language, Types};
 use crate::baseline::{self, Baseline, BaselineArguments};
 use crate::ending::Ending;
 use crate::formats::selected;
-use crate::input::{AnyProblem, Input};
+use crate::input::{AnyProblem, Input, in_part};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::screen::{self, times};
@@ -88,8 +88,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let baseline = arguments.baseline.read("size")?;
     let targets = arguments.targets.read()?;
     let (found, types) = match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => size(&problem, arguments, &targets, baseline.as_ref())?,
-        AnyProblem::Spatial(problem) => size(&problem, arguments, &targets, baseline.as_ref())?,
+        AnyProblem::Planar(problem) => {
+            in_part(&problem, size(&problem, arguments, &targets, baseline.as_ref()))?
+        }
+        AnyProblem::Spatial(problem) => {
+            in_part(&problem, size(&problem, arguments, &targets, baseline.as_ref()))?
+        }
     };
     let sizing = &found.sizing;
     let is_met = if arguments.types.is_some() { sizing.mixed.is_some() } else { sizing.uniform.is_some() };

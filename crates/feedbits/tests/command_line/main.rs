@@ -21,7 +21,7 @@ mod plan;
 mod report;
 mod report_in_browser;
 mod servo;
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 mod signals;
 mod smooth;
 mod stream;

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::command::{command, names};
+use crate::command::{PROGRAM, names};
 
 const SIGHUP: i32 = 1;
 const SIGINT: i32 = 2;
@@ -20,8 +20,10 @@ fn a_long_run() -> tempfile::TempDir {
     folder
 }
 
+/// The command at work, with no signal ignored, which a shell has its background do.
 fn started(folder: &Path, words: &str) -> Child {
-    let mut command = command(&words.split(' ').collect::<Vec<_>>());
+    let mut command = Command::new("env");
+    command.args(["--default-signal=INT,TERM,HUP", PROGRAM]).args(words.split(' '));
     command.current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::piped());
     command.spawn().expect("the program starts")
 }
@@ -75,9 +77,9 @@ fn a_folder_that_was_made_for_a_report_goes_with_the_run() {
 #[test]
 fn a_signal_that_is_to_be_ignored_is_ignored() {
     let folder = a_long_run();
-    let script = r#"trap "" HUP; exec "$0" interpolate p.nc --out out"#;
+    let script = r#"trap "" HUP; exec env --default-signal=INT,TERM "$0" interpolate p.nc --out out"#;
     let mut shell = Command::new("sh");
-    shell.args(["-c", script, env!("CARGO_BIN_EXE_feedbits")]).current_dir(folder.path());
+    shell.args(["-c", script, PROGRAM]).current_dir(folder.path());
     let mut child = shell.stderr(Stdio::null()).spawn().expect("the program starts");
     wait_until(folder.path(), |names| names.iter().any(|name| name.starts_with(".feedbits-")));
     send(&child, SIGHUP);

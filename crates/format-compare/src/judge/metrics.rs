@@ -17,15 +17,15 @@ pub struct Fluctuation {
     /// Mean of |δ|.
     pub mean_abs: f64,
     /// Largest |δ| over the steps at cruise, of at least a quarter of F·T. If the plan never reaches F, they are the
-    /// steps of at least a quarter of the longest step. The last step does not count: it takes the rest of the path,
-    /// even if it is passed at full feed. A relative figure of a micrometre step near rest says nothing about the cut,
-    /// so a requirement is judged by this figure.
+    /// steps of at least a quarter of the longest step. A run that ends at a feed has its last step among them. A
+    /// relative figure of a micrometre step near rest says nothing about the cut, so a requirement is judged by this
+    /// figure.
     pub cruise_max_abs: f64,
     /// Largest |δ| over the steps at cruise, computed from the commanded points in place of the exact ones. It includes
     /// the rounding of the positions, which is as large in a short step as in a long one.
     pub commanded_cruise_max_abs: f64,
-    /// Largest |chord - wanted chord| in mm, over all steps but the last. This figure also covers the steps near rest.
-    /// The last step lands on the end and takes the rest of the path.
+    /// Largest |chord - wanted chord| in mm, over all steps but the last, the steps near rest among them. The last step
+    /// takes the rest of the path, which is that of all lengths before it.
     pub length_error_mm_max: f64,
 }
 
@@ -87,8 +87,8 @@ pub(crate) struct FluctuationTally<P> {
     length_error_mm_max: f64,
     at_cruise: GreatestAtCruise<P>,
     commanded_at_cruise: GreatestAtCruise<()>,
-    /// The last step: the last of a run lands, and is left out of some figures.
-    last: Option<(JudgedStep, P)>,
+    /// The error of the last step's length, in mm.
+    last_length_error_mm: f64,
 }
 
 impl<P: Copy> FluctuationTally<P> {
@@ -100,25 +100,33 @@ impl<P: Copy> FluctuationTally<P> {
             length_error_mm_max: 0.0,
             at_cruise: GreatestAtCruise::new(full_step_mm),
             commanded_at_cruise: GreatestAtCruise::new(full_step_mm),
-            last: None,
+            last_length_error_mm: 0.0,
         }
     }
 
     /// Adds the next step.
     pub(crate) fn add(&mut self, step: &JudgedStep, place: P) {
-        self.add_last();
-        let delta = step.fluctuation();
+        let (delta, commanded) = (step.fluctuation(), step.commanded_fluctuation().abs());
         self.count += 1;
         self.sum_abs += delta.abs();
         let [max, min] = self.extremes.unwrap_or([delta; 2]);
         self.extremes = Some([greater(max, delta), min.min(delta)]);
-        self.last = Some((*step, place));
+        self.length_error_mm_max = greater(self.length_error_mm_max, self.last_length_error_mm);
+        self.last_length_error_mm = step.shortfall_mm.abs();
+        if delta.is_nan() {
+            self.at_cruise.add_always(delta, place);
+            self.commanded_at_cruise.add_always(commanded, ());
+        } else {
+            self.at_cruise.add(step.wanted_mm, delta.abs(), place);
+            self.commanded_at_cruise.add(step.wanted_mm, commanded, ());
+        }
     }
 
     /// Adds the part of the run that follows, `place` being the place in the whole run of one in it.
     pub(crate) fn join(&mut self, other: Self, place: impl Fn(P) -> P) {
-        if other.last.is_some() {
-            self.add_last();
+        if other.count > 0 {
+            self.length_error_mm_max = greater(self.length_error_mm_max, self.last_length_error_mm);
+            self.last_length_error_mm = other.last_length_error_mm;
         }
         self.count += other.count;
         self.sum_abs += other.sum_abs;
@@ -129,21 +137,6 @@ impl<P: Copy> FluctuationTally<P> {
         self.length_error_mm_max = greater(self.length_error_mm_max, other.length_error_mm_max);
         self.at_cruise.join(other.at_cruise, &place);
         self.commanded_at_cruise.join(other.commanded_at_cruise, |at| at);
-        self.last = other.last.map(|(step, at)| (step, place(at))).or(self.last);
-    }
-
-    /// Adds the step before the last to the figures in which the last does not count.
-    fn add_last(&mut self) {
-        let Some((step, place)) = self.last.take() else { return };
-        let (delta, commanded) = (step.fluctuation(), step.commanded_fluctuation().abs());
-        self.length_error_mm_max = greater(self.length_error_mm_max, step.shortfall_mm.abs());
-        if delta.is_nan() {
-            self.at_cruise.add_always(delta, place);
-            self.commanded_at_cruise.add_always(commanded, ());
-        } else {
-            self.at_cruise.add(step.wanted_mm, delta.abs(), place);
-            self.commanded_at_cruise.add(step.wanted_mm, commanded, ());
-        }
     }
 
     /// The figures, and the place of the first step with the largest fluctuation at cruise.
@@ -345,16 +338,16 @@ mod tests {
     /// If the plan never reaches the feed, its longest steps are still judged.
     #[test]
     fn where_the_plan_stays_far_below_the_feed_its_longest_steps_are_the_cruise() {
-        let run = [step(0.001, 0.0005), step(0.04, 0.0002), step(0.01, 0.0001), step(0.6, 0.3)];
+        let run = [step(0.001, 0.0005), step(0.04, 0.0002), step(0.01, 0.0001)];
         assert_eq!(Fluctuation::of(&run, 0.6).cruise_max_abs, 0.01);
     }
 
-    /// A plan that ends in motion ends within a step at cruise.
+    /// A run that ends at a feed has a last step like any other, but for its length: it takes the rest of the path.
     #[test]
-    fn the_last_step_is_no_cruise() {
+    fn the_last_step_is_at_cruise_if_it_is_as_long() {
         let run = [step(0.6, 0.0006), step(0.6, -0.0012), step(0.6, 0.3)];
         let figures = Fluctuation::of(&run, 0.6);
-        assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max, figures.max), (0.002, 0.0012, 0.5));
+        assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max, figures.max), (0.5, 0.0012, 0.5));
     }
 
     /// `f64::max` returns the other number if one is NaN.
