@@ -112,7 +112,7 @@ fn same_setpoints<R: Lane + Backend, const D: usize, const LANES: usize>(
         let running = lanes.step();
         let mut expected_running = 0;
         for (lane, (run, state)) in runs.iter().zip(&mut states).enumerate() {
-            let expected = run.step(state);
+            let expected = crate::steps::step(run, state);
             prop_assert_eq!(lanes.setpoint(lane), expected, "step {} of lane {}", step, lane);
             expected_running += usize::from(expected.is_some());
             found += usize::from(expected.is_some_and(|setpoint| setpoint.evaluations == 1));
@@ -146,7 +146,6 @@ proptest! {
     #[test]
     fn space_runs_are_the_same_side_by_side(runs in proptest::collection::vec(run::<3>(), RUNS)) {
         same_setpoints::<f64, 3, RUNS>(&runs, RUNS)?;
-        same_setpoints::<f32, 3, RUNS>(&runs, RUNS)?;
     }
 }
 
@@ -172,7 +171,7 @@ fn lanes_take_up_what_they_have_not_had() {
     };
     let runs = [(3, false), (5, false), (3, true), (MAX_DEGREE, true), (3, false), (4, true)]
         .map(|(degree, has)| run(degree, has));
-    for found in [same_setpoints::<f64, 2, 4>(&runs, 1), same_setpoints::<f32, 2, 5>(&runs, 1)] {
+    for found in [same_setpoints::<f64, 2, RUNS>(&runs, 1), same_setpoints::<f32, 2, 5>(&runs, 1)] {
         assert!(found.unwrap() > 10_000);
     }
 }
@@ -183,6 +182,5 @@ proptest! {
     #[test]
     fn as_many_runs_as_there_may_be_are_the_same(runs in proptest::collection::vec(run::<2>(), RUNS)) {
         same_setpoints::<f64, 2, 64>(&runs, RUNS)?;
-        same_setpoints::<f32, 2, 61>(&runs, RUNS)?;
     }
 }

@@ -15,4 +15,5 @@ mod passed_corners;
 mod path_run;
 mod random_paths;
 mod random_programs;
+mod steps;
 mod stream;

@@ -1,5 +1,6 @@
 //! The operations of a step, counted by hand and by the counting wrapper.
 
+use crate::steps::step;
 use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
 use real::{Backend, Counted, DoubleDouble, I4F28, OperationCounts, Real};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
@@ -87,7 +88,7 @@ fn counts_of_common_steps<R: Backend>() -> Vec<OperationCounts> {
     let mut piece = usize::MAX;
     let mut counts = Vec::new();
     for _ in 0..1400 {
-        let (setpoint, of_step) = OperationCounts::of(|| interpolator.step(&mut state));
+        let (setpoint, of_step) = OperationCounts::of(|| step(&interpolator, &mut state));
         let setpoint = setpoint.unwrap();
         if setpoint.piece == piece && setpoint.evaluations == 1 {
             counts.push(of_step);

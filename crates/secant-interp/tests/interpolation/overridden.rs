@@ -3,7 +3,7 @@
 use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
 use nurbs_core::NurbsBuf;
 use proptest::prelude::*;
-use real::{Backend, I4F28, I4F60, I8F24, I16F48};
+use real::{Backend, I8F24, I16F48};
 use secant_interp::{FeedOverride, OverrideState, Rate};
 
 /// Lines, and parabolas that turn by a right angle over `size` mm, with a stop behind each thirtieth curve, where the path turns
@@ -131,7 +131,7 @@ fn a_slower_run_comes_to_rest_at_every_end_within_the_jerk() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Whatever is asked for, in every kind of format. The coarse ones add their rounding: places on a piece of 32 mm, and in
+    /// Whatever is asked for, in floats and in the coarser format of each width, whose rounding is the larger. The coarse ones add their rounding: places on a piece of 32 mm, and in
     /// I8F24 chords, are known to 2⁻²⁴ of it.
     #[test]
     fn whatever_is_asked_for_the_run_lands_within_the_jerk(
@@ -140,10 +140,9 @@ proptest! {
     ) {
         let job = Job::new(size, period, ProfileKind::Cubic);
         let targets = [&targets[..], &[(1, last)]].concat();
-        for (found, at) in [job.jerk::<f64>(&targets), job.jerk::<I4F60>(&targets), job.jerk::<I16F48>(&targets)] {
-            prop_assert!(found <= 1.05, "{}", at);
-        }
-        for (found, at) in [job.jerk::<f32>(&targets), job.jerk::<I4F28>(&targets), job.jerk::<I8F24>(&targets)] {
+        for (found, at) in [
+            job.jerk::<f64>(&targets), job.jerk::<I16F48>(&targets), job.jerk::<f32>(&targets), job.jerk::<I8F24>(&targets),
+        ] {
             prop_assert!(found <= 1.05, "{}", at);
         }
     }

@@ -1,6 +1,7 @@
 //! A run over corners that are passed at a feed comes to rest at every stop by its plan: no step, and none of the seams at stops,
 //! takes more than the jerk limit.
 
+use crate::steps::step;
 use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
 use nurbs_core::{Joint, NurbsBuf};
 use real::Real;
@@ -57,7 +58,7 @@ fn jerk(
         let places = &path.table().places()[section.pieces.clone()];
         let point = |at: (usize, u64)| crate::landing_run::point(&curves, places, at);
         let (mut state, mut piece, mut from, mut steps) = (run.start(), 0, point((0, 0)), vec![0.0, 0.0]);
-        while let Some(setpoint) = run.step(&mut state) {
+        while let Some(setpoint) = step(&run, &mut state) {
             let to = point((setpoint.piece, setpoint.phase));
             let leg = |from: [f64; 2], to: [f64; 2]| (to[0] - from[0]).hypot(to[1] - from[1]);
             let mut chord = 0.0;

@@ -1,8 +1,14 @@
 //! Runs a path of compiled pieces at a swinging feed and measures every chord in double-double.
 
-use nurbs_core::{CompileError, Evaluate, Joint, NurbsBuf, PieceLimits, PiecesBuf, SignalBound, compile};
-use real::{Backend, DoubleDouble, Real};
+use nurbs_core::{
+    CompileError, Evaluate, Joint, NurbsBuf, PieceLimits, PiecesBuf, Place, SignalBound, compile,
+};
+use real::{
+    Audit, Audited, Backend, DoubleDouble, FormatName, I4F28, I4F60, Real, RuntimeFixed, RuntimeFormat,
+};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
+
+use crate::steps::step;
 
 /// Curves, one after the other, and the distance of a period at full feed.
 #[derive(Clone, Debug)]
@@ -83,72 +89,141 @@ pub(crate) fn interpolator<'a, R: Backend, const D: usize>(
     }
 }
 
+/// A step as it is judged: without its format.
+struct Step {
+    at: (usize, u64),
+    evaluations: u32,
+    /// The chord, in chord units: the number and what is left of it.
+    length: (f64, f64),
+}
+
+/// The steps to the end.
+fn steps<R: Backend, const D: usize>(run: &PieceInterpolator<'_, R, D>) -> Vec<Step> {
+    let (mut state, mut steps) = (run.start(), Vec::new());
+    while !run.is_at_end(&state)
+        && let Some(setpoint) = step(run, &mut state)
+    {
+        let at = (setpoint.piece, setpoint.phase);
+        steps.push(Step { at, evaluations: setpoint.evaluations, length: setpoint.length.to_f64_pair() });
+        assert!(steps.len() < 100_000, "{} does not end", R::name());
+    }
+    steps
+}
+
 /// Runs to the end; every step is checked to go forward and to keep its number of evaluations.
 pub(crate) fn run<R: Backend, const D: usize>(
     path: &Path<D>,
     settings: &Settings,
 ) -> Result<Figures, CompileError> {
     let table: PiecesBuf<R, D> = compiled(path, settings)?;
-    let stages = swing::<R>(path.feed_mm.ldexp(table.as_pieces().chord_exponent));
-    let interpolator = interpolator(path, settings, &table, &stages);
+    let pieces = table.as_pieces();
+    let stages = swing::<R>(path.feed_mm.ldexp(pieces.chord_exponent));
+    let steps = steps(&interpolator(path, settings, &table, &stages));
+    let run = Run {
+        steps,
+        places: table.places().to_vec(),
+        breaks: pieces.pieces.iter().map(|piece| piece.joint == Joint::Breaks).collect(),
+        chord_exponent: pieces.chord_exponent,
+        name: R::name(),
+    };
+    Ok(Figures { bounds: table.bounds().to_vec(), ..judged(path, settings, &run) })
+}
 
+/// The same run under audit, in the format of this name. Fixed point is audited in the format that is chosen at run time: its steps are
+/// those of the format's own type, which tests compare, and it is compiled once for all of them.
+pub(crate) fn run_watched<const D: usize>(
+    format: &str,
+    path: &Path<D>,
+    settings: &Settings,
+) -> (Result<Figures, CompileError>, Audit) {
+    Audit::of(|| match format {
+        "f64" => run::<Audited<f64>, D>(path, settings),
+        "f32" => run::<Audited<f32>, D>(path, settings),
+        _ => RuntimeFormat::named(format)
+            .unwrap()
+            .run::<0, _>(|| run::<Audited<RuntimeFixed<0>>, D>(path, settings)),
+    })
+}
+
+/// The run in the format of this name: in one type of each kind, and in the format that is chosen at run time for the others.
+pub(crate) fn run_in<const D: usize>(
+    format: &str,
+    path: &Path<D>,
+    settings: &Settings,
+) -> Result<Figures, CompileError> {
+    match format {
+        "f64" => run::<f64, D>(path, settings),
+        "f32" => run::<f32, D>(path, settings),
+        "I4F28" => run::<I4F28, D>(path, settings),
+        "I4F60" => run::<I4F60, D>(path, settings),
+        _ => run_watched(format, path, settings).0,
+    }
+}
+
+/// A run in a format that is forgotten but for its name.
+struct Run {
+    steps: Vec<Step>,
+    places: Vec<Place>,
+    /// Of each piece, whether a corner is at its end.
+    breaks: Vec<bool>,
+    chord_exponent: i32,
+    name: FormatName,
+}
+
+/// The figures of a run, without the bounds of its table.
+fn judged<const D: usize>(path: &Path<D>, settings: &Settings, run: &Run) -> Figures {
+    let name = run.name;
     let exact: Vec<_> = path.curves.iter().map(|curve| curve.convert::<DoubleDouble>().unwrap()).collect();
     let place = |piece: usize, phase: u64| {
-        let last = table.places().len() - 1;
-        let at = &table.places()[piece.min(last)];
+        let last = run.places.len() - 1;
+        let at = &run.places[piece.min(last)];
         let (begin, end) = (DoubleDouble::new(at.begin.0, at.begin.1), DoubleDouble::new(at.end.0, at.end.1));
         let t = if piece > last { DoubleDouble::from(1.0) } else { DoubleDouble::from_phase(phase, 0) };
         exact[at.curve].as_curve().point(begin + (end - begin) * t)
     };
-    let mut state = interpolator.start();
+    let leg = |from: &[DoubleDouble; D], to: &[DoubleDouble; D]| {
+        DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
+    };
     let mut from = place(0, 0);
     let mut before = (0, 0);
-    let mut figures = Figures { checksum: 0xcbf2_9ce4_8422_2325, ..Figures::default() };
+    let mut figures =
+        Figures { checksum: 0xcbf2_9ce4_8422_2325, steps: run.steps.len(), ..Figures::default() };
     let mut evaluations = 0;
-    while !interpolator.is_at_end(&state)
-        && let Some(setpoint) = interpolator.step(&mut state)
-    {
-        let at = (setpoint.piece, setpoint.phase);
+    for step in &run.steps {
+        let at = step.at;
         let to = place(at.0, at.1);
-        assert!(at >= before, "{} goes back: {before:?} {at:?}", R::name());
+        assert!(at >= before, "{name} goes back: {before:?} {at:?}");
         let touched = u32::try_from(at.0 - before.0 + 1).unwrap();
         assert!(
-            setpoint.evaluations <= settings.max_evaluations + secant_interp::BEHIND_JOINT * (touched - 1),
-            "{}: {} evaluations on {touched} pieces",
-            R::name(),
-            setpoint.evaluations
+            step.evaluations <= settings.max_evaluations + secant_interp::BEHIND_JOINT * (touched - 1),
+            "{name}: {} evaluations on {touched} pieces",
+            step.evaluations
         );
-        let leg = |from: &[DoubleDouble; D], to: &[DoubleDouble; D]| {
-            DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
-        };
         // From corner to corner.
         let mut chord = DoubleDouble::from(0.0);
         for piece in before.0..at.0 {
-            if table.as_pieces().pieces[piece].joint == Joint::Breaks {
+            if run.breaks[piece] {
                 let corner = place(piece + 1, 0);
                 (chord, from) = (chord + leg(&from, &corner), corner);
             }
         }
         chord = chord + leg(&from, &to);
-        let (high, low) = setpoint.length.to_f64_pair();
-        let wanted = DoubleDouble::new(high, low).ldexp(-table.as_pieces().chord_exponent);
-        if at.0 < table.places().len() && wanted.value() >= 0.25 * path.feed_mm {
+        let (high, low) = step.length;
+        let wanted = DoubleDouble::new(high, low).ldexp(-run.chord_exponent);
+        if at.0 < run.places.len() && wanted.value() >= 0.25 * path.feed_mm {
             let delta = (DoubleDouble::from(1.0) - chord / wanted).value().abs();
             figures.cruise = figures.cruise.max(delta);
         }
-        evaluations += u64::from(setpoint.evaluations);
-        figures.steps += 1;
+        evaluations += u64::from(step.evaluations);
         figures.joints += at.0 - before.0;
         figures.crossings += usize::from(at.0 > before.0);
-        for word in [at.0 as u64, at.1, u64::from(setpoint.evaluations)] {
+        for word in [at.0 as u64, at.1, u64::from(step.evaluations)] {
             figures.checksum = (figures.checksum ^ word).wrapping_mul(0x0100_0000_01b3);
         }
-        assert!(figures.steps < 100_000, "{} does not end", R::name());
         from = to;
         before = at;
     }
-    figures.bounds = table.bounds().to_vec();
     figures.evaluations = evaluations as f64 / figures.steps as f64;
-    assert_eq!(before, (table.places().len(), 0), "{} ends at the end", R::name());
-    Ok(figures)
+    assert_eq!(before, (run.places.len(), 0), "{name} ends at the end");
+    figures
 }

@@ -2,10 +2,11 @@
 //! its plan from stop to stop, lands on each stop within a landing step, cuts no corner by more than is allowed, and no period
 //! depends on what lies before its section. Formats of 16 bits are held to less.
 
+use crate::steps::step;
 use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
 use nurbs_core::{Joint, NurbsBuf, distance_to_segment};
 use proptest::prelude::*;
-use real::{Backend, FixedPoint, I4F28, I8F24, Real};
+use real::{Audited, Backend, FixedPoint, I4F28, I8F24, Real, RuntimeFixed, RuntimeFormat};
 
 /// What a corner may be cut by, over the larger of chord error and deviation.
 const CUT: f64 = 1.05;
@@ -88,7 +89,7 @@ fn sections<R: Backend>(
         let point = |at: (usize, u64)| crate::landing_run::point(&curves, places, at);
         let (mut state, mut piece, mut from, mut points) = (run.start(), 0, point((0, 0)), Vec::new());
         let mut off = 0.0;
-        while let Some(setpoint) = run.step(&mut state) {
+        while let Some(setpoint) = step(&run, &mut state) {
             let to = point((setpoint.piece, setpoint.phase));
             let (mut begin, mut length) = (from, 0.0);
             for passed in piece..setpoint.piece {
@@ -181,6 +182,8 @@ fn a_hundred_thousand_moves_are_run_as_planned() {
 fn sixteen_bits_end_as_late_as_they_are_coarse() {
     let (program, limits) = (program(7, 20_000), limits(1e-3));
     let plan = planned(&program, &limits);
-    sections::<FixedPoint<fixed::types::I4F12>>(&program, &plan, &limits);
     sections::<FixedPoint<fixed::types::I8F8>>(&program, &plan, &limits);
+    // The type whose runs are compiled for other tests.
+    let format = RuntimeFormat::named("I4F12").unwrap();
+    format.run::<0, _>(|| sections::<Audited<RuntimeFixed<0>>>(&program, &plan, &limits));
 }

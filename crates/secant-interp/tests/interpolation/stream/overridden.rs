@@ -57,8 +57,8 @@ proptest! {
         let targets = [&targets[..], &[(500, last)]].concat();
         is_the_same::<f64, 2>(&targets);
         is_the_same::<f32, 3>(&targets);
-        is_the_same::<I4F28, 2>(&targets);
-        is_the_same::<I8F24, 3>(&targets);
+        is_the_same::<I4F28, 3>(&targets);
+        is_the_same::<I8F24, 2>(&targets);
         is_the_same::<I16F48, 2>(&targets);
     }
 }

@@ -261,7 +261,7 @@ fn reads_anything<R: FromWord, const D: usize>(file: &[u8]) {
     let _ = read::<R, D>(file, |run| {
         let mut state = run.start();
         for _ in 0..50 {
-            let Some(setpoint) = run.step(&mut state) else { break };
+            let Some(setpoint) = crate::steps::step(run, &mut state) else { break };
             let _ = run.pieces.position(setpoint.piece, &setpoint.offset);
         }
     });

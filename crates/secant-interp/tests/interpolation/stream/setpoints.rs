@@ -4,11 +4,12 @@ use real::{FromWord, I2F30, I3F29, I4F28, I4F60, I8F24, I16F16, I16F48, I32F32};
 use secant_interp::PieceInterpolator;
 
 use super::streamed::{compiled, file_of, read};
+use crate::steps::step;
 
 /// The bits of each setpoint of a run.
 fn bits<R: FromWord, const D: usize>(run: &PieceInterpolator<'_, R, D>) -> Vec<Vec<u64>> {
     let mut state = run.start();
-    let setpoints = std::iter::from_fn(|| run.step(&mut state));
+    let setpoints = std::iter::from_fn(|| step(run, &mut state));
     let of = |at: secant_interp::PieceSetpoint<R, D>| {
         let numbers = at.offset.into_iter().chain([at.length]).map(real::word_of);
         let position = run.pieces.position(at.piece, &at.offset).map(i64::cast_unsigned);
@@ -29,26 +30,22 @@ fn are_the_same<R: FromWord, const D: usize>() {
     }
 }
 
+/// A format is a width of words and a place of the point; the number of coordinates is the rows' business in any of them. So space is
+/// asked of one format of each kind of word.
 #[test]
 fn every_format_makes_the_same_setpoints_in_the_plane_and_in_space() {
     are_the_same::<I16F16, 2>();
-    are_the_same::<I16F16, 3>();
     are_the_same::<I8F24, 2>();
-    are_the_same::<I8F24, 3>();
     are_the_same::<I4F28, 2>();
-    are_the_same::<I4F28, 3>();
     are_the_same::<I3F29, 2>();
-    are_the_same::<I3F29, 3>();
     are_the_same::<I2F30, 2>();
-    are_the_same::<I2F30, 3>();
     are_the_same::<f32, 2>();
-    are_the_same::<f32, 3>();
     are_the_same::<I32F32, 2>();
-    are_the_same::<I32F32, 3>();
     are_the_same::<I16F48, 2>();
-    are_the_same::<I16F48, 3>();
     are_the_same::<I4F60, 2>();
-    are_the_same::<I4F60, 3>();
     are_the_same::<f64, 2>();
+    are_the_same::<I4F28, 3>();
+    are_the_same::<f32, 3>();
+    are_the_same::<I4F60, 3>();
     are_the_same::<f64, 3>();
 }
