@@ -15,6 +15,7 @@
 //! A broken promise is a [`Violation`]; a refused path is not.
 
 mod generate;
+mod next_setpoint;
 mod on_curve;
 mod on_pieces;
 mod piece_points;

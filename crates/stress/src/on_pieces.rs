@@ -8,6 +8,7 @@ use secant_interp::{
 };
 
 use crate::PlannedPath;
+use crate::next_setpoint::next_setpoint;
 use crate::piece_points::{Judge, compiled};
 use crate::step_bound::{StepBound, StepShape};
 use crate::violation::{Outcome, Violation, demand};
@@ -101,7 +102,7 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
         let mut steps = Steps::new(self, judge);
         for (section, interpolator) in self.path.sections().iter().zip(self.path.runs()) {
             let mut state = interpolator.start();
-            while let Some(setpoint) = interpolator.step(&mut state) {
+            while let Some(setpoint) = next_setpoint(&interpolator, &mut state) {
                 let piece = section.pieces.start + setpoint.piece;
                 let lands = piece >= section.pieces.end || interpolator.lengths.is_over(state.cursor());
                 steps.check(&PieceSetpoint { piece, ..setpoint }, lands)?;
@@ -125,7 +126,7 @@ impl<const D: usize> OnPieces<'_, Counted<f64>, D> {
         let mut worst = PieceFigures::default();
         let mut step = 0;
         loop {
-            let (setpoint, counts) = OperationCounts::of(|| interpolator.step(&mut state));
+            let (setpoint, counts) = OperationCounts::of(|| next_setpoint(&interpolator, &mut state));
             let Some(setpoint) = setpoint else { return Ok(Outcome::Ran(worst)) };
             let bound = StepBound::of(&StepShape {
                 degree: pieces.degree,

@@ -3,6 +3,7 @@
 use nurbs_core::ORIGIN_EXPONENT;
 use real::{Backend, FormatName, Real};
 
+use crate::next_setpoint::next_setpoint;
 use crate::on_pieces::JUDGE;
 use crate::piece_points::Judge;
 use crate::violation::{Outcome, Violation, demand};
@@ -45,7 +46,11 @@ pub fn check_against_float<R: Backend, const D: usize>(
     let mut worst = SideBySide::default();
     let mut from = [(0, 0); 2];
     for step in 0..planned.most_periods() {
-        let (Some(a), Some(b)) = (one.step(&mut one_state), other.step(&mut other_state)) else { break };
+        let (Some(a), Some(b)) =
+            (next_setpoint(&one, &mut one_state), next_setpoint(&other, &mut other_state))
+        else {
+            break;
+        };
         let wanted = b.length * 1.0_f64.ldexp(-other.pieces.chord_exponent);
         travelled += wanted;
         joints += (b.piece - from[1].0) as f64;

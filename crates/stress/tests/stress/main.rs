@@ -4,3 +4,4 @@ mod faults;
 mod generate;
 mod promises;
 mod soak;
+mod split_mix;
