@@ -2,7 +2,7 @@
 
 pub(crate) use nurbs_core::golden::{circle, seed_000, seed_003};
 use nurbs_core::{Arc, Derivatives, Differentiate, Evaluate, NurbsBuf};
-use real::Backend;
+use real::{Backend, RuntimeFixed, RuntimeFormat};
 
 use crate::{FeedLimit, Junction, KinematicLimits, LimitPoint, Schedule, Stage};
 
@@ -112,6 +112,14 @@ pub(crate) fn place_at(stages: &[Stage<f64>]) -> impl Fn(f64) -> f64 {
         let index = ends.partition_point(|end| *end < time).min(ends.len() - 1);
         stages[index].start + stages[index].distance_at(time - ends[index] + stages[index].duration)
     }
+}
+
+/// Fixed point of whatever width: the planner is compiled once for all of it.
+pub(crate) type Fixed = RuntimeFixed<0>;
+
+/// What `work` finds where [`Fixed`] is the format of this name.
+pub(crate) fn in_fixed<T>(format: &str, work: impl FnOnce() -> T) -> T {
+    RuntimeFormat::named(format).unwrap().run::<0, _>(work)
 }
 
 /// Limits in another format.

@@ -339,11 +339,11 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
 mod tests {
     use super::*;
     use crate::limit::track::{Track, arc, limit_along, range, worst_chord};
-    use crate::test_paths::{self, in_range, paper_limits, polyline};
+    use crate::test_paths::{self, Fixed, in_fixed, in_range, paper_limits, polyline};
     use crate::{EndFeeds, FeedLimit, ProfileKind, chord_feedrate, plan_with};
     use nurbs_core::NurbsBuf;
     use proptest::prelude::*;
-    use real::{Backend, I32F32};
+    use real::Backend;
 
     /// E, mm.
     const ALLOWED: f64 = 5e-4;
@@ -543,7 +543,7 @@ mod tests {
             let ratios = (100..=900).map(|i| at(i) / chord_feedrate(radius, ALLOWED, 1.0));
             ratios.fold((f64::MAX, 0.0), |(least, most), ratio| (least.min(ratio), most.max(ratio)))
         }
-        let (least, most) = ratios::<I32F32>(&arc(10.0, 0.01, 1.0), 10.0);
+        let (least, most) = in_fixed("I32F32", || ratios::<Fixed>(&arc(10.0, 0.01, 1.0), 10.0));
         assert!(least > 0.98 && most < 1.01, "{least} to {most}");
         let (least, most) = ratios::<f32>(&arc(20.0, 0.04, 1.0), 20.0);
         assert!(least > 0.9 && most < 1.02, "{least} to {most}");

@@ -152,13 +152,13 @@ mod tests {
     use super::*;
     use crate::plan::promises::{Worst, kept, planned, worst};
     use crate::test_paths::{
-        circle, in_periods, in_range, limit_along, limit_through, paper_limits, polyline, seed_000, seed_003,
-        triple_knot,
+        Fixed, circle, in_fixed, in_periods, in_range, limit_along, limit_through, paper_limits, polyline,
+        seed_000, seed_003, triple_knot,
     };
     use crate::{AxisLimits, LimitPoint, jerk_free_duration};
     use nurbs_core::{Differentiate, NurbsBuf, radius};
     use proptest::prelude::*;
-    use real::{Backend, DoubleDouble, I16F16, I32F32};
+    use real::{Backend, DoubleDouble};
 
     #[test]
     fn the_papers_curves_take_hardly_longer_than_without_a_jerk_limit() {
@@ -327,16 +327,20 @@ mod tests {
         for limits in [path_only, with_axes] {
             assert_close::<DoubleDouble>(&limits, 0.005, 1e-6, 1e-12);
             assert_close::<f32>(&limits, 0.01, 1e-3, 1e-3);
-            assert_close::<I32F32>(&limits, 0.01, 1e-3, 1e-3);
+            in_fixed("I32F32", || assert_close::<Fixed>(&limits, 0.01, 1e-3, 1e-3));
         }
     }
 
     #[test]
     fn formats_too_coarse_return() {
+        in_fixed("I16F16", too_coarse_returns);
+    }
+
+    fn too_coarse_returns() {
         // A circle just fits 16 fraction bits, with E as 33 units: the plan is as long as it should be to 1.5
         // %, and its arc length to 1e-4.
-        let limits = in_range::<I16F16>(&paper_limits());
-        let plan_of = |curve: &NurbsBuf<I16F16, 2>| {
+        let limits = in_range::<Fixed>(&paper_limits());
+        let plan_of = |curve: &NurbsBuf<Fixed, 2>| {
             let limit = FeedLimit::along(&[curve.as_curve()], &limits)?;
             plan(&limit, &limits, EndFeeds::default())
         };
