@@ -37,17 +37,17 @@ struct Ran {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let Some(path) = std::env::args().nth(1).filter(|word| !word.starts_with('-')) else {
-        return run_file(&own_part()?[..], None);
+        return run_file(&mut &own_part()?[..], None);
     };
-    let file = File::open(&path)?;
+    let mut file = File::open(&path)?;
     let bytes = file.metadata()?.len();
-    run_file(file, Some(bytes))
+    run_file(&mut file, Some(bytes))
 }
 
 /// Runs a file of any format and says what it gave.
-fn run_file(mut file: impl Read, bytes: Option<u64>) -> Result<(), Box<dyn Error>> {
+fn run_file(file: &mut dyn Read, bytes: Option<u64>) -> Result<(), Box<dyn Error>> {
     let mut begin = [0; StreamHeader::BYTES];
-    let found = read_into(&mut file, &mut begin)?;
+    let found = read_into(file, &mut begin)?;
     let header = StreamHeader::read(&begin[..found])?;
     bytes.map_or(Ok(()), |bytes| header.expect_file_bytes(bytes))?;
     let mut ran = Ran { sections: 0, periods: 0, checksum: 0 };
@@ -65,7 +65,7 @@ fn run_file(mut file: impl Read, bytes: Option<u64>) -> Result<(), Box<dyn Error
 
 fn run_in_its_format<const D: usize>(
     header: &StreamHeader,
-    file: impl Read,
+    file: &mut dyn Read,
     ran: &mut Ran,
 ) -> Result<(), Box<dyn Error>> {
     match header.format_name() {
@@ -82,10 +82,10 @@ fn run_in_its_format<const D: usize>(
     }
 }
 
-/// What a controller does, in its format.
+/// What a controller does, in its format. Whatever the file is, it is compiled once.
 fn run<R: FromWord, const D: usize>(
     header: &StreamHeader,
-    mut file: impl Read,
+    file: &mut dyn Read,
     ran: &mut Ran,
 ) -> Result<(), Box<dyn Error>> {
     let mut reader = StreamReader::<R, D>::new(header)?;
@@ -95,9 +95,9 @@ fn run<R: FromWord, const D: usize>(
     let mut checksum = PositionChecksum::default();
     while reader.next_section().is_some() {
         // The machine stands. A section becomes a run once all of it is there and undamaged.
-        let head = read_into(&mut file, &mut buffer[..SECTION_HEAD_BYTES])?;
+        let head = read_into(file, &mut buffer[..SECTION_HEAD_BYTES])?;
         let length = reader.section_bytes(&buffer[..head])?;
-        let rest = read_into(&mut file, &mut buffer[head..length])?;
+        let rest = read_into(file, &mut buffer[head..length])?;
         let run = reader.section(&buffer[..head + rest], &mut storage)?;
         let mut state = run.start();
         while let Some(setpoint) = run.step(&mut state) {
@@ -111,7 +111,7 @@ fn run<R: FromWord, const D: usize>(
 }
 
 /// Reads until the buffer is full or the file ends. Returns how many bytes were read.
-fn read_into(file: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
+fn read_into(file: &mut dyn Read, buffer: &mut [u8]) -> std::io::Result<usize> {
     let mut filled = 0;
     while filled < buffer.len() {
         let read = file.read(&mut buffer[filled..])?;
@@ -145,12 +145,13 @@ fn a_damaged_section_ends_the_run_at_the_rest_before_it() -> Result<(), Box<dyn 
     let good = own_part()?;
     let header = StreamHeader::read(&good)?;
     let mut whole = Ran { sections: 0, periods: 0, checksum: 0 };
-    run::<I4F28, 2>(&header, &good[StreamHeader::BYTES..], &mut whole)?;
+    run::<I4F28, 2>(&header, &mut &good[StreamHeader::BYTES..], &mut whole)?;
     assert!(whole.sections > 1 && whole.checksum == header.checksum, "{whole:?}");
     let mut bad = good;
     *bad.last_mut().expect("a byte") ^= 1;
     let mut ran = Ran { sections: 0, periods: 0, checksum: 0 };
-    let error = run::<I4F28, 2>(&header, &bad[StreamHeader::BYTES..], &mut ran).expect_err("it is damaged");
+    let error =
+        run::<I4F28, 2>(&header, &mut &bad[StreamHeader::BYTES..], &mut ran).expect_err("it is damaged");
     let last = whole.sections - 1;
     assert!(error.to_string().starts_with(&format!("section {last} is damaged")), "{error}");
     assert!(ran.sections == last && ran.periods < whole.periods, "{ran:?}");
