@@ -107,7 +107,12 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         while let Some(wanted) = chords.advance(&mut cursor) {
             let is_last = chords.is_over(&cursor) || cursor.stage() >= chords.stages().len();
             let is_near = stop - reached <= wanted + wanted;
-            let rest = if is_last || is_near { self.step_between(reached, stop) } else { wanted };
+            // From the stop itself a step would go to where the path goes on behind a rapid move.
+            let rest = match reached < stop {
+                true if is_last || is_near => self.step_between(reached, stop),
+                true => wanted,
+                false => R::zero(),
+            };
             if is_last || rest < wanted {
                 // Once the run is at the stop, each length that is still wanted would pass it.
                 (beyond, reached) = (beyond + wanted - rest, stop);
@@ -184,6 +189,27 @@ mod tests {
         let [(near, joined), (far, apart)] = [8.0, 500.0].map(beyond);
         assert_eq!(near, far);
         assert!(largest(&joined) < 1e-7 && largest(&apart) < 1e-7, "{joined:?} {apart:?}");
+    }
+
+    /// A run that is at its stop early stands there. The length of the rapid move behind the stop was once taken off what the run
+    /// would pass the stop by, so that a section whose first trial came early was not shortened at all.
+    #[test]
+    fn a_run_that_is_early_at_a_stop_passes_it_by_as_much_wherever_the_path_goes_on() {
+        let limits = in_periods(2e-3, 50.0, 1500.0, 3e4, 2e-3);
+        for second in [10.0, 500.0] {
+            let line = |x: f64| polyline(&[[x, 0.0], [x + 10.0, 0.0]]).remove(0);
+            let curves = [line(0.0), line(second)];
+            let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+            let limit = FeedLimit::along_with_stops(&curves, &limits, &[1]).unwrap();
+            for kind in ProfileKind::ALL {
+                let arcs = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                let section = sections(arcs.stages()).next().unwrap();
+                let schedule = Schedule::new(section.stages(), 1.0, u64::MAX);
+                let before = Before { stages: &[], cursor: schedule.start(), reached: 0.5 };
+                let off = Path::new(&limit, &curves).off_stop(&schedule, &before, 10.0);
+                assert!((off - 0.5).abs() < 1e-12, "{second} {kind:?}: {off}");
+            }
+        }
     }
 
     /// The plan passes the corners of a zigzag. When chords went straight over the corners, the run came to the end
