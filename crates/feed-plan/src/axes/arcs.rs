@@ -295,10 +295,12 @@ impl Part {
 fn append(pieces: &mut Vec<FeedPiece<f64>>, arc: &[Part; 2], end: &Node) {
     let parts: Vec<Part> = arc.iter().flat_map(|part| part.of_one_sign()).flatten().collect();
     for (i, part) in parts.iter().enumerate() {
-        let to = part.motion(0.0, part.time);
-        let end_feed = parts.get(i + 1).map_or(end.feed, |next| next.feed);
-        let sum = part.acceleration + to.acceleration;
-        let bent = (part.acceleration - to.acceleration) / sum;
+        // What is computed for the end of a part is off by a rounding, and a part that ends with no acceleration is no
+        // part of a longer change of feed.
+        let (end_feed, acceleration) =
+            parts.get(i + 1).map_or((end.feed, end.acceleration), |next| (next.feed, next.acceleration));
+        let sum = part.acceleration + acceleration;
+        let bent = (part.acceleration - acceleration) / sum;
         let shape = match sum.abs() > 0.0 {
             true if bent >= 1.0 => StageShape::Easing,
             true if bent <= -1.0 => StageShape::Onset,

@@ -88,7 +88,9 @@ mod tests {
     use crate::plan::promises::planned;
     use crate::schedule::stage::examples::stages;
     use crate::test_paths::{in_periods, jerk_over_periods, limit_through, paper_limits, seed_000};
-    use crate::{EndFeeds, FeedLimit, KinematicLimits, ProfileKind, ScheduleBuf, Stage, plan_with};
+    use crate::{
+        EndFeeds, FeedLimit, KinematicLimits, ProfileKind, ScheduleBuf, Stage, StageShape, plan_with,
+    };
 
     /// The share by which peaks may rise, with an allowance for rounding.
     const ROOM: f64 = 1.0 + 1.0 / 4096.0 + 1e-9;
@@ -193,6 +195,40 @@ mod tests {
         assert_eq!(plan.clone().shortened(&limit, &[]), plan);
         // No more than half of the path is taken off.
         assert!((shortened(&[2.0, 2.0, 2.0]) - 2.475 / 2.0).abs() < 1e-15);
+    }
+
+    /// Where the feed rises behind a fall whose last acceleration is 0 but for a rounding. Taken for one change, whose ends
+    /// differ by little, the correction went far below 0: the feed in between rose above the plan and its limit.
+    #[test]
+    fn what_falls_and_then_rises_is_no_one_change() {
+        let rows = [
+            (0.0, 0.5, StageShape::Onset),
+            (0.5, 1.0, StageShape::Easing),
+            (1.0, 0.6, StageShape::Onset),
+            (0.6, 0.2, StageShape::Bent(1.0 - f64::EPSILON)),
+            (0.2, 0.6, StageShape::Onset),
+            (0.6, 0.99, StageShape::Easing),
+            (0.99, 0.5, StageShape::Onset),
+            (0.5, 0.0, StageShape::Easing),
+        ];
+        let mut start = 0.0;
+        let stages = rows.map(|(start_feed, end_feed, shape)| {
+            let stage = Stage { start, start_feed, end_feed, shape, duration: 4.0, ..stages()[0] };
+            let length = stage.piece().length();
+            start += length;
+            Stage { length, ..stage }
+        });
+        let plan = ScheduleBuf { stages: stages.to_vec(), interpolation_period: 1.0, periods: 32 };
+        let limit = limit_through(&[(0.0, 1.0), (start, 1.0)]);
+        for bend in 0..stages.len() {
+            let shortfalls: Vec<_> =
+                (0..stages.len()).map(|stage| f64::from(u8::from(stage == bend)) * 0.02).collect();
+            let short = plan.clone().shortened(&limit, &shortfalls);
+            for (whole, short) in plan.stages().iter().zip(short.stages()) {
+                let is_lower = short.start_feed <= whole.start_feed && short.end_feed <= whole.end_feed;
+                assert!(is_lower && short.length <= whole.length + 1e-12, "{bend}: {whole:?} {short:?}");
+            }
+        }
     }
 
     /// The run lands on each stop: shortfalls before the stop do not shorten the path behind it.

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::chords::stretch::is_under_way;
+use crate::chords::stretch::goes_on;
 use crate::{FeedLimit, FeedPiece, Stage, StageShape};
 
 /// Acceleration and jerk of a change of feed may rise by 2⁻¹² of themselves: the least that the stretch to whole
@@ -106,7 +106,7 @@ pub(super) fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -
     let mut parts: Vec<Part<R>> = Vec::with_capacity(stages.len());
     let bend = period * R::from_ratio(BEND, 1);
     let mut first = 0;
-    for change in stages.split_inclusive(|stage| !is_under_way(stage)) {
+    for change in stages.chunk_by(goes_on) {
         let (Some(begins), Some(ends)) = (change.first(), change.last()) else { continue };
         let behind = first + change.len();
         let duration = change.iter().fold(R::zero(), |sum, stage| sum + stage.duration);

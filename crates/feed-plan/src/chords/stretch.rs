@@ -36,7 +36,8 @@ impl<R: Real> Lowered<R> {
             return None;
         }
         let correction = last.end_feed - short.end_feed;
-        let count = arcs.iter().rev().take_while(|stage| is_under_way(stage)).count();
+        let goes_on = |stage: &&Stage<R>| is_under_way(stage) && stage.kind() == last.kind();
+        let count = arcs.iter().rev().take_while(goes_on).count();
         let before = before.and_then(|before| before.slope).filter(|_| count == arcs.len());
         let begins = [arcs, chords].map(|stages| stages.iter().rev().nth(count.saturating_sub(1)));
         let slope = before.or_else(|| {
@@ -58,6 +59,12 @@ impl<'a, R> Stretch<'a, R> {
     pub(crate) fn of(stages: &'a [Stage<R>], shortfalls: &'a [R]) -> Self {
         Self { stages, shortfalls, begin: None, count: stages.len() }
     }
+}
+
+/// Whether a stage continues the change of feed of the one before it. What rises and then falls is no one change, also where a
+/// rounding is left of the acceleration in between.
+pub(crate) fn goes_on<R: Real>(before: &Stage<R>, stage: &Stage<R>) -> bool {
+    is_under_way(before) && before.kind() == stage.kind()
 }
 
 /// Whether a stage ends with acceleration, so that the next stage continues its change of feed.
