@@ -174,6 +174,7 @@ mod chords {
     pub(crate) mod feeds;
     mod joints;
     pub(crate) mod landing;
+    pub(crate) mod lead;
     mod parts;
     pub(crate) mod planned;
     pub(crate) mod shortfall;
@@ -198,7 +199,7 @@ pub use transition::stage_shape::{StageShape, sinc_terms};
 pub use {
     axes::within_axes::plan_within_axes,
     chord_error::chord_feedrate,
-    chords::planned::Planned,
+    chords::{lead::Lead, planned::Planned},
     error::PlanError,
     limit::{feed_limit::FeedLimit, sample::LimitPoint},
     limits::{AxisLimits, Junction, KinematicLimits},
