@@ -292,33 +292,6 @@ mod tests {
     }
 
     #[test]
-    fn two_independent_crates_give_the_same_points() {
-        let rational = golden::seed_003();
-        let homogeneous = rational
-            .control_points()
-            .iter()
-            .zip(rational.weights())
-            .map(|(p, w)| nalgebra::Point3::new(p[0] * w, p[1] * w, *w));
-        let peer = curvo::prelude::NurbsCurve2D::try_new(3, homogeneous.collect(), rational.knots().to_vec())
-            .unwrap();
-        let plain = golden::seed_000();
-        let axis = |axis: usize| {
-            let coordinates = plain.control_points().iter().map(|p| p[axis]).collect();
-            bspline::BSpline::new(3, coordinates, plain.knots().to_vec())
-        };
-        let axes = [axis(0), axis(1)];
-        for k in 0..1000 {
-            let u = f64::from(k) / 1000.0;
-            let (ours, theirs) = (rational.as_curve().point(u), peer.point_at(u));
-            let error = f64::norm(&[ours[0] - theirs.x, ours[1] - theirs.y]);
-            assert!(error < 1e-12, "curvo, u={u}: {error}");
-            let (ours, theirs) = (plain.as_curve().point(u), [axes[0].point(u), axes[1].point(u)]);
-            let error = f64::norm(&[ours[0] - theirs[0], ours[1] - theirs[1]]);
-            assert!(error < 1e-12, "bspline, u={u}: {error}");
-        }
-    }
-
-    #[test]
     fn beyond_the_ends_the_outer_span_is_extrapolated() {
         // A parabola (u, u²) of one span, and the same as two spans.
         let one = NurbsBuf::try_new(

@@ -144,7 +144,7 @@ mod tests {
     use crate::oracle::{self, exactly};
     use crate::{Derivatives, Differentiate, Evaluate, NurbsBuf, generate, golden};
     use proptest::prelude::*;
-    use real::{Backend, DoubleDouble, I4F28, I16F16, I16F48, I32F32, Real};
+    use real::{Backend, DoubleDouble, I16F16, I32F32, Real};
 
     /// What rounding errors of the derivatives in a span are measured by: the extent times `p / span width` per
     /// differentiation, and the ratio of the weights likewise.
@@ -180,8 +180,7 @@ mod tests {
             same_in::<f64>(&curve, u)?;
             same_in::<f32>(&curve, u)?;
             same_in::<I16F16>(&curve, u)?;
-            same_in::<I4F28>(&small(&curve), u)?;
-            same_in::<I16F48>(&curve, u)?;
+            same_in::<I32F32>(&curve, u)?;
             same_in::<DoubleDouble>(&curve, u)?;
         }
 
@@ -265,34 +264,6 @@ mod tests {
         ] {
             assert!(first <= bounds[0] && second <= bounds[1], "{name}: {first:e}, {second:e} > {bounds:?}");
         }
-    }
-
-    #[test]
-    fn an_independent_crate_gives_the_same_derivatives() {
-        let curve = golden::seed_003();
-        let homogeneous = curve
-            .control_points()
-            .iter()
-            .zip(curve.weights())
-            .map(|(p, w)| nalgebra::Point3::new(p[0] * w, p[1] * w, *w));
-        let peer =
-            curvo::prelude::NurbsCurve2D::try_new(3, homogeneous.collect(), curve.knots().to_vec()).unwrap();
-        for k in 0..1000 {
-            let u = f64::from(k) / 1000.0;
-            let ours = curve.as_curve().derivatives(u);
-            let theirs = peer.rational_derivatives(u, 2);
-            for (ours, theirs) in [(ours.first, &theirs[1]), (ours.second, &theirs[2])] {
-                let error = f64::norm(&[ours[0] - theirs[0], ours[1] - theirs[1]]);
-                let bound = 1e-11 * (1.0 + f64::norm(&ours));
-                assert!(error <= bound, "u={u}: {error} > {bound}");
-            }
-        }
-    }
-
-    /// The curve over 125, with equal weights: a format of four integer bits holds it.
-    fn small(curve: &NurbsBuf<f64, 2>) -> NurbsBuf<f64, 2> {
-        let points = curve.control_points().iter().map(|point| point.map(|x| x / 125.0)).collect();
-        NurbsBuf::try_new_nonrational(curve.degree(), points, curve.knots().to_vec()).unwrap()
     }
 
     #[test]
