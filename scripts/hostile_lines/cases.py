@@ -75,9 +75,14 @@ def shown(value):
     return repr(text)[1:-1] if len(text) < 60 else f"{text[:12]}… of {len(text)} characters"
 
 
+# Slow or long paths of few bytes, whose plans take memory by their time and their limit points: bytes by a part of the title.
+LARGE = {"of offsets.canon": 128e6, "velocity_mm_per_s times 0.001": 300e6, "lambda times 1000": 300e6}
+
+
 def case(kind, title, command, files=BARE, **more):
     words, outputs = command
-    return Case(kind, title, words, dict(files), outputs, **more)
+    memory = max((most for part, most in LARGE.items() if part in title), default=0.0)
+    return Case(kind, title, words, dict(files), outputs, memory_at_first=memory, **more)
 
 
 def key_files():
@@ -95,6 +100,11 @@ def key_files():
         ),
         ("keys of a curve", "part.toml", [CURVE, TRIGONOMETRIC], [curves[name] for name in ("check", "plan", "compare", "convert --to g06.2", "interpolate")]),
     ]
+
+
+def quoted(value):
+    """A value as refusals quote what was written: it is a place too."""
+    return [quote + shown(value) for quote in "\"'`"]
 
 
 def beside(statuses, *places):
@@ -117,7 +127,7 @@ def key_cases(program):
                 f"{name} {number}: {title}",
                 next(turn),
                 {**files, name: changed},
-                named=(*named, *beside(statuses, name, *(key for _, key in tried)), "the signal", "position_gain"),
+                named=(*named, *beside(statuses, name, *(key for _, key in tried), *(key for _, _, key, _ in lines_of(SERVO)))),
                 statuses=statuses,
             )
             given = list(lines_of(text))
@@ -163,7 +173,7 @@ def option_cases(program, draw):
                 ([*words, *more], outputs),
                 files,
                 # The value as it was written is a place too.
-                named=(option, *(quote + shown(value) for value in more[1:] for quote in "\"'`"), *beside(statuses)),
+                named=(option, *itertools.chain(*map(quoted, more[1:])), *beside(statuses)),
                 statuses=statuses,
             )
             yield make(f"{option}x", [f"{option}x"], REFUSED)
@@ -209,7 +219,7 @@ def number_cases(draw):
 
 
 def twists(program, draw, command):
-    """Each changes the words and files of a case in one way, and returns a word for it."""
+    """Each changes the words and files of a case in one way, and returns the places of it and a title."""
     numeric = [one for one, value in program.options(command).items() if value and value not in READ + WRITTEN]
 
     def machine_key(words, files):
@@ -217,17 +227,17 @@ def twists(program, draw, command):
         place, header, key, _ = draw.choice(list(lines_of(text)))
         value = draw.choice(NUMBERS)
         files["machine.toml"] = b"".join(with_line(text, place, f"{key} = {value}"))
-        return key, f"{key} = {value}"
+        return (key,), f"{key} = {value}"
 
     def option(words, files):
         one, value = draw.choice(numeric), draw.choice(OPTION_VALUES)
         words[:] = [*without(words, [one]), one, value]
-        return one, f"{one} {shown(value)}"
+        return (one, *quoted(value)), f"{one} {shown(value)}"
 
     def number(words, files):
         found, value = draw.choice(numbers_of(files["part.nc"])), draw.choice(NUMBERS)
         files["part.nc"] = b"".join(with_number(files["part.nc"], found, value))
-        return "part.nc", f"{value} at byte {found.start()} of the part"
+        return ("part.nc",), f"{value} at byte {found.start()} of the part"
 
     return [machine_key, option, number] if numeric else [machine_key, number]
 
@@ -240,7 +250,7 @@ def pair_cases(program, draw):
         words, files = list(words), {**BARE, **program.results}
         made = [draw.choice(twists(program, draw, words[0]))(words, files) for _ in range(2)]
         named, titles = zip(*made)
-        yield case("pairs", f"{name}: {', '.join(titles)}", (words, outputs), files, named=(*named, "part.nc"))
+        yield case("pairs", f"{name}: {', '.join(titles)}", (words, outputs), files, named=(*itertools.chain(*named), "part.nc"))
 
 
 def readers(program):
@@ -270,10 +280,10 @@ def content_cases(program):
             setup = lambda work, make=make: make(work / "file")
             feeder = feeder and feeder.replace("NAME", "file")
             yield case(
-                "no files", f"{title}: {what}", ([*words, "file"], outputs), setup=setup, read_bytes=read, feeder=feeder, named=("file",)
+                "no files", f"{title}: {what}", ([*words, "file"], (*outputs, "nowhere")), setup=setup, read_bytes=read, feeder=feeder, named=("file",)
             )
         for what, name in [("a name of 300 characters", TOO_LONG), ("an empty name", ""), ("below a file", "part.nc/x"), ("a folder's name", "./")]:
-            yield case("no files", f"{title}: {what}", ([*words, name], ()), named=(name or option, "''", '""', "[PART]", "--out <PATH>"), statuses=REFUSED)
+            yield case("no files", f"{title}: {what}", ([*words, name], ()), named=(name or option, "''", '""', "[PART]", "<FILE>", "--out <PATH>"), statuses=REFUSED)
     most = filled(ONES, 62 << 8)
     for words in (["check"], ["targets", "--target-file"], ["merge", "--out", "out.jsonl"]):
         yield case("contents", f"{words[0]}: 62 MiB of pairs of ones", ([*words, "file"], ("out.jsonl",)), {"file": most}, named=("file",))

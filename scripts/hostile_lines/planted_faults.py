@@ -33,7 +33,7 @@ PLANTED = {
     "a script": ("echo '<svg><script>1</script></svg>' > o.svg", {"outputs": ("o.svg",)}, "script"),
     "half of a stream": ("head -c 200 /dev/zero > o.stream", {"outputs": ("o.stream",)}, "another length"),
     "an output of a refusal": ("echo '[1]' > o.json; echo part.nc >&2; exit 2", {"outputs": ("o.json",)}, "the command refused"),
-    "memory": ("exec python3 -c 'x = bytearray(400 << 20)'", {}, "MB of memory"),
+    "memory": ("exec python3 -c 'x = bytearray(70 << 20)'", {}, "MB of memory"),
     "the processor's time": ("while :; do :; done", {"slow": 0.05}, "processor"),
     "no end": ("exec sleep 100", {"slow": 0.05}, "no end"),
     "an end by a signal": ("exec sleep 100", {"signal": signal.SIGTERM}, None),

@@ -32,9 +32,8 @@ MOST_ON_THE_CLOCK = 60
 MOST_BEFORE_SIGNAL = 10.0  # that something else waits for
 MOST_AFTER_SIGNAL = 1.0
 MOST_MESSAGE = 2000  # bytes
-# Memory: what a command may take at first, and more for each byte of its input. A plan follows the length and the time of a part, not its text.
-MEMORY_OF_CHECK = (64e6, 12)
-MEMORY_OF_OTHERS = (300e6, 60)
+# Memory: what a command may take at first, and more for each byte of its input.
+MEMORY_AT_FIRST, MEMORY_OF_CHECK, MEMORY_OF_OTHERS = 64e6, 12, 60
 UNFINISHED = re.compile(rb"(^|/)\.feedbits-\w{6}\.part$")
 KEPT_OF_A_STREAM = 1 << 21
 # Stands in every hostile name, and must come out in comments and texts alone.
@@ -56,6 +55,7 @@ class Case:
     setup: Callable | None = None  # is given the folder, before anything is looked at
     feeder: str | None = None  # a line of sh that runs beside the command
     read_bytes: int = 0  # that come from no file of the folder
+    memory_at_first: float = 0.0  # bytes that it may take beside those for its input, if they are more than for others
     stdin: str = os.devnull
     stdout: str = "kept"  # or closed, gone, or a file
     stderr: str = "kept"
@@ -218,10 +218,6 @@ def words_of(text):
     return " ".join(text.decode("utf-8", "replace").split())
 
 
-# Words that name the place by themselves. The parser of the command line does not know which argument was no text.
-PLACES = ("invalid UTF-8 was detected in one or more arguments", "unknown format", "unknown target")
-
-
 def is_named(name, said):
     """Whether a refusal has a word, or its begin: long words are cut, of a list one item is refused, and `-0.0` is taken for `-0`."""
     word = words_of(os.fsencode(name))
@@ -232,7 +228,7 @@ def is_named(name, said):
 def place_missing(case, said):
     """Whether a refusal has no word by which a person finds the place, and no line of a file."""
     lines = [rf"{re.escape(words_of(os.fsencode(name)))}(:\d+|\b.{{0,30}}\bline \d+)" for name in case.files]
-    is_said = any(place in said for place in PLACES) or any(is_named(name, said) for name in case.named) or any(re.search(one, said) for one in lines)
+    is_said = any(is_named(name, said) for name in case.named) or any(re.search(one, said) for one in lines)
     return case.named and not is_said
 
 
@@ -418,8 +414,8 @@ def run(case, binary, folder, slow):
         faults += refusal_faults(case, out, err)
     if seconds > MOST_SECONDS * slow or status == -signal.SIGXCPU:
         faults.append(f"{seconds:.1f} s of the processor")
-    base, more = MEMORY_OF_CHECK if case.words[:1] == ["check"] else MEMORY_OF_OTHERS
-    if memory > (most := base + size * more):
+    more = MEMORY_OF_CHECK if case.words[:1] == ["check"] else MEMORY_OF_OTHERS
+    if memory > (most := max(MEMORY_AT_FIRST, case.memory_at_first) + size * more):
         faults.append(f"{memory / 1e6:.0f} MB of memory, {most / 1e6:.0f} allowed")
     faults += folder_faults(case, status, before, work, scratch)
     if case.afterwards and not faults:

@@ -100,7 +100,7 @@ pub const CONVERT_TOLERANCE: Key =
 pub const DIGITS: Key = Key::whole("--digits", [0, 15], "", "decimals of coordinates").optional("all");
 /// The largest ratio, digit by digit.
 pub const RATIOS: Key =
-    Key::number("--ratios", Domain::of(1.0, 1e15, ""), "the largest knot or weight, with its decimals")
+    Key::number("--ratios", Domain::of(1.0, 1e9, ""), "the largest knot or weight, with its decimals")
         .optional("");
 /// By how much a figure may grow.
 pub const WORSE_BY: Key = Key::number(

@@ -108,7 +108,8 @@ where
     if options.engine != Engine::Pieces {
         bail!("--override goes with pieces: give --evaluate pieces");
     }
-    let overrides = Overrides::try_new(arguments.overrides.clone(), arguments.reserve / 100.0)?;
+    let overrides =
+        Overrides::try_new(arguments.overrides.clone(), arguments.reserve / 100.0).context("--override")?;
     let progress = Progress::planning();
     let to_plan = overrides.to_plan(problem);
     expect_an_end(&to_plan, &options)?;

@@ -5,8 +5,9 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::Args;
+use clap::error::ErrorKind;
 use foreign_text::in_lines;
 use part_program::Diagnostics;
 
@@ -119,6 +120,13 @@ fn first_errors(text: &str, count: usize) -> String {
 
 /// Prints the error in the command line, or the help that the command line asks for. Returns the exit status.
 pub(crate) fn usage(error: &clap::Error) -> ExitCode {
+    if error.kind() == ErrorKind::InvalidUtf8 {
+        refuse(&anyhow!(
+            "not UTF-8: {}: expected such bytes in names of files alone",
+            words_that_are_no_text()
+        ));
+        return ExitCode::from(2);
+    }
     if error.use_stderr() {
         let (styled, plain) = (error.render().ansi().to_string(), error.render().to_string());
         let printable = in_lines(&plain);
@@ -129,6 +137,19 @@ pub(crate) fn usage(error: &clap::Error) -> ExitCode {
         return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
     }
     status_of(printed(error.print()))
+}
+
+/// The words of the command line that are no text, each behind the option before it: the parser does not say which it took for
+/// a number or a name.
+fn words_that_are_no_text() -> String {
+    let words: Vec<_> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    let are_text: Vec<_> = std::env::args_os().map(|word| word.to_str().is_some()).collect();
+    let shown = |at: usize| match words[..at].last().filter(|before| before.starts_with("--")) {
+        Some(option) => format!("{option} {:?}", words[at]),
+        None => format!("{:?}", words[at]),
+    };
+    let found: Vec<_> = (0..words.len()).filter(|at| !are_text[*at]).map(shown).collect();
+    found.join(", ")
 }
 
 /// The exit status of a print, which is refused if it failed.

@@ -222,11 +222,12 @@ impl<S: BufRead> Lines<S> {
     fn advance(&mut self, name: &str) -> Result<bool> {
         self.last.clear();
         self.number += 1;
+        let cannot = || format!("cannot read {name}");
+        if self.source.fill_buf().with_context(cannot)?.first() == Some(&0) {
+            bail!("{name}, line {}: begins with a byte of 0, not a line of a sweep", self.number);
+        }
         let most = u64::try_from(MAX_TEXT)?;
-        let length = (&mut self.source)
-            .take(most)
-            .read_until(b'\n', &mut self.last)
-            .with_context(|| format!("cannot read {name}"))?;
+        let length = (&mut self.source).take(most).read_until(b'\n', &mut self.last).with_context(cannot)?;
         if self.last.ends_with(b"\n") {
             self.whole += u64::try_from(length)?;
             return Ok(true);

@@ -350,3 +350,18 @@ fn a_run_s_name_in_a_sweep_s_file_is_no_path() {
     assert_eq!(twice.status.code(), Some(2));
     assert!(text(&twice.stderr).contains("t.jsonl, line 1: expected runs"), "{}", text(&twice.stderr));
 }
+
+/// The words of options are text. One that is none is refused with its option, whatever other words are none.
+#[test]
+fn a_word_that_is_no_text_is_refused_with_its_option() {
+    let name = OsString::from_vec(b"part-\xff".to_vec());
+    let folder = with_part(&name);
+    for option in ["--units", "--feed", "--start", "--formats"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));
+        command.arg("sweep").arg(&name).arg(option).arg(OsStr::from_bytes(b"\xff")).current_dir(folder.path());
+        let refused = command.output().expect("the program starts");
+        let said = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains(&format!("{option} \"")) && said.contains("UTF-8"), "{said}");
+    }
+}

@@ -273,16 +273,16 @@ fn a_large_file_is_merged_and_resumed() {
     let resumed = sweep(folder.path(), &["--out", "s.jsonl"]);
     assert!(text(&resumed.stdout).starts_with("12 of 12"), "{}", text(&resumed.stdout));
 
-    // A file without line ends is not read for ever.
+    // A file without line ends is not read for ever, and a hole not at all.
     let endless = fs::File::create(folder.path().join("zeros")).expect("a file");
     endless.set_len(1 << 34).expect("room");
-    let refused = feedbits_in(folder.path(), &["merge", "zeros", "--out", "z.jsonl"]);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(
-        unfolded(&refused.stderr).contains("zeros, line 1: longer than 64 MiB"),
-        "{}",
-        unfolded(&refused.stderr)
-    );
+    fs::write(folder.path().join("long"), vec![b'{'; (64 << 20) + 1]).expect("a file");
+    for (name, why) in [("zeros", "begins with a byte of 0"), ("long", "longer than 64 MiB")] {
+        let refused = feedbits_in(folder.path(), &["merge", name, "--out", "z.jsonl"]);
+        assert_eq!(refused.status.code(), Some(2));
+        let said = unfolded(&refused.stderr);
+        assert!(said.contains(&format!("{name}, line 1: {why}")), "{said}");
+    }
 }
 
 /// A second sweep on the same file ends with a message and changes nothing. Shards without a named file have a file
