@@ -152,7 +152,7 @@ def fault_of_output(path):
     if ending == ".json":
         return fails(lambda: json.loads(text, parse_constant=no_number))
     if ending == ".jsonl":
-        return fails(lambda: [json.loads(line, parse_constant=no_number) for line in text.splitlines()]) or (
+        return fails(lambda: [json.loads(line, parse_constant=no_number) for line in text.split("\n") if line]) or (
             None if text.endswith("\n") else "ends within a line"
         )
     if ending == ".csv":
