@@ -358,7 +358,12 @@ fn a_word_that_is_no_text_is_refused_with_its_option() {
     let folder = with_part(&name);
     for option in ["--units", "--feed", "--start", "--formats"] {
         let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));
-        command.arg("sweep").arg(&name).arg(option).arg(OsStr::from_bytes(b"\xff")).current_dir(folder.path());
+        command
+            .arg("sweep")
+            .arg(&name)
+            .arg(option)
+            .arg(OsStr::from_bytes(b"\xff"))
+            .current_dir(folder.path());
         let refused = command.output().expect("the program starts");
         let said = text(&refused.stderr);
         assert_eq!(refused.status.code(), Some(2), "{said}");
