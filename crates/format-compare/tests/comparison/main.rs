@@ -13,6 +13,7 @@ mod formats;
 mod least_periods;
 mod not_of_format;
 mod overrides;
+mod plans_followed;
 mod problem;
 mod recorded_runs;
 mod requirements;

@@ -1,0 +1,61 @@
+//! Runs that stay with their plans.
+
+use crate::examples::{example_machine, judged, on_example_machine};
+use format_compare::Problem;
+use part_program::{read_machine, read_part};
+
+/// Limits of both axes like those of the path.
+const AXES: &str = "\n[machine.axes.x]\nvelocity_mm_per_s = 200\nacceleration_mm_per_s2 = 5000\njerk_mm_per_s3 = 400000\n\
+                    [machine.axes.y]\nvelocity_mm_per_s = 200\nacceleration_mm_per_s2 = 5000\njerk_mm_per_s3 = 400000\n";
+
+/// The run gained on its plan in a bend and came to the next one, of a radius of 0.02 mm, a period early: its chord error was
+/// twice the limit in every format.
+#[test]
+fn under_limits_of_axes_a_run_keeps_the_chord_error_in_tight_bends() {
+    assert_eq!(example_machine("").chord_error_mm, 5e-4);
+    let problem = on_example_machine::<2>(include_str!("butterfly.toml"), AXES);
+    for run in judged(&problem, &["f64", "I8F24"]) {
+        assert!(run.verdict.is_good(), "{}: {}", run.format, run.verdict);
+    }
+}
+
+/// A curve, and a machine that stops from its feed within a period.
+const RANDOM: &str = "\
+[curve]
+degree = 2
+control_points_mm = [[30.0181, -32.3787, 1.0437], [37.0093, 17.9752, 17.501], [-9.0436, 39.0714, 17.1339], [30.2826, 24.1201, -32.2284], [-27.9518, -2.1109, 19.0254], [27.8104, -12.3854, 39.0034], [8.743, -37.6678, -33.7484], [21.8768, -33.8657, -11.1783], [-13.4238, 30.1473, -10.4705]]
+weights = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+knots = [0.0, 0.0, 0.0, 0.090864, 0.090864, 0.285838, 0.820328, 0.865283, 0.914884, 1.0, 1.0, 1.0]
+";
+const RANDOM_MACHINE: &str = "\
+[machine]
+interpolation_period_ms = 4.0
+feedrate_mm_per_s = 5.53
+acceleration_mm_per_s2 = 16394.9
+jerk_mm_per_s3 = 1389904.0
+chord_error_mm = 0.0005
+fluctuation_limit = 6.61515748753786e-05
+[machine.axes.x]
+velocity_mm_per_s = 6.19
+acceleration_mm_per_s2 = 7203.9
+jerk_mm_per_s3 = 834365.3
+[machine.axes.y]
+velocity_mm_per_s = 4.25
+acceleration_mm_per_s2 = 13925.3
+jerk_mm_per_s3 = 1104168.5
+[machine.axes.z]
+velocity_mm_per_s = 5.74
+acceleration_mm_per_s2 = 11207.5
+jerk_mm_per_s3 = 1617300.0
+";
+
+/// The last step comes from full feed to rest. It goes further too far than any before it, and counts: 1.34e-4 by 60 digits.
+#[test]
+fn a_last_step_as_long_as_the_others_is_judged() {
+    let part = read_part("p.toml", RANDOM).unwrap();
+    let problem = Problem::<3>::new(&part, &read_machine("m", RANDOM_MACHINE).unwrap()).unwrap();
+    let run = judged(&problem, &["I4F28"]).remove(0);
+    let found = run.fluctuation.unwrap().cruise_max_abs;
+    assert!((1.3e-4..1.4e-4).contains(&found), "{found}: {}", run.verdict);
+    assert!(!run.verdict.is_good());
+}
