@@ -497,7 +497,7 @@ fn what_is_printed_is_printed_whole_or_the_status_is_2() {
         "feedbits compare --help",
         "feedbits completions bash",
         "FEEDBITS_COMPLETE=bash feedbits",
-        "FEEDBITS_COMPLETE=bash feedbits -- feedbits comp",
+        "FEEDBITS_COMPLETE=bash _CLAP_COMPLETE_INDEX=1 feedbits -- feedbits comp",
         "feedbits formats",
         "feedbits machine",
         "feedbits targets",

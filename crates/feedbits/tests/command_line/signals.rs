@@ -33,11 +33,12 @@ fn send(child: &Child, signal: i32) {
     assert!(sent.expect("kill starts").success());
 }
 
-/// Waits until the folder shows something.
-fn wait_until(folder: &Path, shows: impl Fn(&[String]) -> bool) {
+/// Waits until the folder of a command at work shows something.
+fn wait_until(child: &mut Child, folder: &Path, shows: impl Fn(&[String]) -> bool) {
     let begun = Instant::now();
     while !shows(&names(folder)) {
-        assert!(begun.elapsed() < Duration::from_secs(120), "{:?}", names(folder));
+        let is_over = child.try_wait().expect("a state").is_some();
+        assert!(!is_over && begun.elapsed() < Duration::from_secs(120), "{child:?}: {:?}", names(folder));
         thread::sleep(Duration::from_millis(5));
     }
 }
@@ -47,11 +48,15 @@ fn wait_until(folder: &Path, shows: impl Fn(&[String]) -> bool) {
 #[test]
 fn a_signal_leaves_nothing_half_written() {
     for signal in [SIGINT, SIGTERM, SIGHUP] {
-        for words in ["interpolate p.nc --out out", "interpolate p.nc --json --out out"] {
+        for words in
+            ["interpolate p.nc --machine mill --out out", "interpolate p.nc --machine mill --json --out out"]
+        {
             let folder = a_long_run();
             fs::write(folder.path().join("out"), "old\n").expect("a file");
-            let child = started(folder.path(), words);
-            wait_until(folder.path(), |names| names.iter().any(|name| name.starts_with(".feedbits-")));
+            let mut child = started(folder.path(), words);
+            wait_until(&mut child, folder.path(), |names| {
+                names.iter().any(|name| name.starts_with(".feedbits-"))
+            });
             send(&child, signal);
             let output = child.wait_with_output().expect("an end");
             assert_eq!(output.status.signal(), Some(signal), "{words}: {output:?}");
@@ -65,8 +70,8 @@ fn a_signal_leaves_nothing_half_written() {
 #[test]
 fn a_folder_that_was_made_for_a_report_goes_with_the_run() {
     let folder = a_long_run();
-    let child = started(folder.path(), "compare p.nc --report new/report");
-    wait_until(folder.path(), |names| names.iter().any(|name| name == "new"));
+    let mut child = started(folder.path(), "compare p.nc --machine mill --report new/report");
+    wait_until(&mut child, folder.path(), |names| names.iter().any(|name| name == "new"));
     send(&child, SIGTERM);
     let output = child.wait_with_output().expect("an end");
     assert_eq!(output.status.signal(), Some(SIGTERM), "{output:?}");
@@ -77,11 +82,12 @@ fn a_folder_that_was_made_for_a_report_goes_with_the_run() {
 #[test]
 fn a_signal_that_is_to_be_ignored_is_ignored() {
     let folder = a_long_run();
-    let script = r#"trap "" HUP; exec env --default-signal=INT,TERM "$0" interpolate p.nc --out out"#;
+    let script =
+        r#"trap "" HUP; exec env --default-signal=INT,TERM "$0" interpolate p.nc --machine mill --out out"#;
     let mut shell = Command::new("sh");
     shell.args(["-c", script, PROGRAM]).current_dir(folder.path());
     let mut child = shell.stderr(Stdio::null()).spawn().expect("the program starts");
-    wait_until(folder.path(), |names| names.iter().any(|name| name.starts_with(".feedbits-")));
+    wait_until(&mut child, folder.path(), |names| names.iter().any(|name| name.starts_with(".feedbits-")));
     send(&child, SIGHUP);
     thread::sleep(Duration::from_millis(200));
     assert!(child.try_wait().expect("a state").is_none(), "it still runs");
@@ -94,7 +100,7 @@ fn a_signal_that_is_to_be_ignored_is_ignored() {
 fn ctrl_c_ends_a_comparison() {
     let folder = a_long_run();
     for after in [1, 400, 3000] {
-        let mut child = started(folder.path(), "compare p.nc");
+        let mut child = started(folder.path(), "compare p.nc --machine mill");
         thread::sleep(Duration::from_millis(after));
         if child.try_wait().expect("a state").is_none() {
             send(&child, SIGINT);

@@ -17,15 +17,15 @@ pub struct Fluctuation {
     /// Mean of |δ|.
     pub mean_abs: f64,
     /// Largest |δ| over the steps at cruise, of at least a quarter of F·T. If the plan never reaches F, they are the
-    /// steps of at least a quarter of the longest step. A run that ends at a feed has its last step among them. A
-    /// relative figure of a micrometre step near rest says nothing about the cut, so a requirement is judged by this
-    /// figure.
+    /// steps of at least a quarter of the longest step. The last step of a run that ends at a feed does not count: there it
+    /// takes the rest of the path, for such a plan is not fitted to its end. A relative figure of a micrometre step near rest says nothing about the cut,
+    /// so a requirement is judged by this figure.
     pub cruise_max_abs: f64,
     /// Largest |δ| over the steps at cruise, computed from the commanded points in place of the exact ones. It includes
     /// the rounding of the positions, which is as large in a short step as in a long one.
     pub commanded_cruise_max_abs: f64,
-    /// Largest |chord - wanted chord| in mm, over all steps but the last, the steps near rest among them. The last step
-    /// takes the rest of the path, which is that of all lengths before it.
+    /// Largest |chord - wanted chord| in mm, over all steps but the last. This figure also covers the steps near rest.
+    /// The last step lands on the end and takes the rest of the path.
     pub length_error_mm_max: f64,
 }
 
@@ -72,7 +72,7 @@ impl Fluctuation {
     pub fn of(steps: &[JudgedStep], full_step_mm: f64) -> Self {
         let mut tally = FluctuationTally::new(full_step_mm);
         steps.iter().for_each(|step| tally.add(step, ()));
-        tally.figures().0
+        tally.figures(false).0
     }
 }
 
@@ -87,8 +87,8 @@ pub(crate) struct FluctuationTally<P> {
     length_error_mm_max: f64,
     at_cruise: GreatestAtCruise<P>,
     commanded_at_cruise: GreatestAtCruise<()>,
-    /// The error of the last step's length, in mm.
-    last_length_error_mm: f64,
+    /// The last step: the last of a run lands, and is left out of some figures.
+    last: Option<(JudgedStep, P)>,
 }
 
 impl<P: Copy> FluctuationTally<P> {
@@ -100,33 +100,25 @@ impl<P: Copy> FluctuationTally<P> {
             length_error_mm_max: 0.0,
             at_cruise: GreatestAtCruise::new(full_step_mm),
             commanded_at_cruise: GreatestAtCruise::new(full_step_mm),
-            last_length_error_mm: 0.0,
+            last: None,
         }
     }
 
     /// Adds the next step.
     pub(crate) fn add(&mut self, step: &JudgedStep, place: P) {
-        let (delta, commanded) = (step.fluctuation(), step.commanded_fluctuation().abs());
+        self.add_last();
+        let delta = step.fluctuation();
         self.count += 1;
         self.sum_abs += delta.abs();
         let [max, min] = self.extremes.unwrap_or([delta; 2]);
         self.extremes = Some([greater(max, delta), min.min(delta)]);
-        self.length_error_mm_max = greater(self.length_error_mm_max, self.last_length_error_mm);
-        self.last_length_error_mm = step.shortfall_mm.abs();
-        if delta.is_nan() {
-            self.at_cruise.add_always(delta, place);
-            self.commanded_at_cruise.add_always(commanded, ());
-        } else {
-            self.at_cruise.add(step.wanted_mm, delta.abs(), place);
-            self.commanded_at_cruise.add(step.wanted_mm, commanded, ());
-        }
+        self.last = Some((*step, place));
     }
 
     /// Adds the part of the run that follows, `place` being the place in the whole run of one in it.
     pub(crate) fn join(&mut self, other: Self, place: impl Fn(P) -> P) {
-        if other.count > 0 {
-            self.length_error_mm_max = greater(self.length_error_mm_max, self.last_length_error_mm);
-            self.last_length_error_mm = other.last_length_error_mm;
+        if other.last.is_some() {
+            self.add_last();
         }
         self.count += other.count;
         self.sum_abs += other.sum_abs;
@@ -137,18 +129,42 @@ impl<P: Copy> FluctuationTally<P> {
         self.length_error_mm_max = greater(self.length_error_mm_max, other.length_error_mm_max);
         self.at_cruise.join(other.at_cruise, &place);
         self.commanded_at_cruise.join(other.commanded_at_cruise, |at| at);
+        self.last = other.last.map(|(step, at)| (step, place(at))).or(self.last);
     }
 
-    /// The figures, and the place of the first step with the largest fluctuation at cruise.
-    pub(crate) fn figures(&self) -> (Fluctuation, Option<P>) {
+    /// Adds the step before the last to the figures in which the last does not count.
+    fn add_last(&mut self) {
+        let Some((step, place)) = self.last.take() else { return };
+        self.length_error_mm_max = greater(self.length_error_mm_max, step.shortfall_mm.abs());
+        self.add_at_cruise(&step, place);
+    }
+
+    fn add_at_cruise(&mut self, step: &JudgedStep, place: P) {
+        let (delta, commanded) = (step.fluctuation(), step.commanded_fluctuation().abs());
+        if delta.is_nan() {
+            self.at_cruise.add_always(delta, place);
+            self.commanded_at_cruise.add_always(commanded, ());
+        } else {
+            self.at_cruise.add(step.wanted_mm, delta.abs(), place);
+            self.commanded_at_cruise.add(step.wanted_mm, commanded, ());
+        }
+    }
+
+    /// The figures, and the place of the first step with the largest fluctuation at cruise. Where the run ends at rest, its last
+    /// step is one of those.
+    pub(crate) fn figures(&self, ends_at_rest: bool) -> (Fluctuation, Option<P>) {
+        let mut whole = self.clone();
+        if let Some((step, place)) = self.last.filter(|_| ends_at_rest) {
+            whole.add_at_cruise(&step, place);
+        }
         let [max, min] = self.extremes.unwrap_or_default();
-        let worst = self.at_cruise.greatest();
+        let worst = whole.at_cruise.greatest();
         let figures = Fluctuation {
             max,
             min,
             mean_abs: self.sum_abs / self.count.max(1) as f64,
             cruise_max_abs: worst.map_or(0.0, |(figure, _)| figure),
-            commanded_cruise_max_abs: self.commanded_at_cruise.greatest().map_or(0.0, |(figure, ())| figure),
+            commanded_cruise_max_abs: whole.commanded_at_cruise.greatest().map_or(0.0, |(figure, ())| figure),
             length_error_mm_max: self.length_error_mm_max,
         };
         (figures, worst.map(|(_, place)| place))
@@ -314,7 +330,8 @@ mod tests {
             let (others, other_chords) = tally(second);
             joined.join(others, |place| place + first.len());
             chords.join(&other_chords);
-            let ((mut found, at), (whole, expected_at)) = (joined.figures(), tally(&steps).0.figures());
+            let figures = |tally: FluctuationTally<usize>| tally.figures(cut % 2 == 0);
+            let ((mut found, at), (whole, expected_at)) = (figures(joined), figures(tally(&steps).0));
             prop_assert!((found.mean_abs - whole.mean_abs).abs() <= 1e-15);
             found.mean_abs = whole.mean_abs;
             prop_assert_eq!((found, at), (whole, expected_at));
@@ -338,16 +355,25 @@ mod tests {
     /// If the plan never reaches the feed, its longest steps are still judged.
     #[test]
     fn where_the_plan_stays_far_below_the_feed_its_longest_steps_are_the_cruise() {
-        let run = [step(0.001, 0.0005), step(0.04, 0.0002), step(0.01, 0.0001)];
+        let run = [step(0.001, 0.0005), step(0.04, 0.0002), step(0.01, 0.0001), step(0.6, 0.3)];
         assert_eq!(Fluctuation::of(&run, 0.6).cruise_max_abs, 0.01);
     }
 
-    /// A run that ends at a feed has a last step like any other, but for its length: it takes the rest of the path.
+    /// A plan that ends in motion ends within a step at cruise, which takes the rest of the path. From full feed to rest, the
+    /// last step is one like the others.
     #[test]
-    fn the_last_step_is_at_cruise_if_it_is_as_long() {
+    fn the_last_step_is_at_cruise_if_the_run_ends_at_rest() {
         let run = [step(0.6, 0.0006), step(0.6, -0.0012), step(0.6, 0.3)];
-        let figures = Fluctuation::of(&run, 0.6);
-        assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max, figures.max), (0.5, 0.0012, 0.5));
+        let mut tally = FluctuationTally::new(0.6);
+        run.iter().for_each(|step| tally.add(step, ()));
+        for (ends_at_rest, expected) in [(false, 0.002), (true, 0.5)] {
+            let figures = tally.figures(ends_at_rest).0;
+            assert_eq!(
+                (figures.cruise_max_abs, figures.commanded_cruise_max_abs),
+                (expected, 2.0 * expected)
+            );
+            assert_eq!((figures.length_error_mm_max, figures.max), (0.0012, 0.5));
+        }
     }
 
     /// `f64::max` returns the other number if one is NaN.

@@ -103,7 +103,7 @@ impl Tally {
 
     /// The fluctuation, with the first step that has the largest at cruise.
     pub(crate) fn fluctuation(&self) -> (Fluctuation, Worst) {
-        let (figures, at) = self.fluctuation.figures();
+        let (figures, at) = self.fluctuation.figures(self.ends_at_rest);
         (figures, Worst { figure: figures.cruise_max_abs, at })
     }
 
