@@ -64,7 +64,7 @@ impl Place {
 pub(crate) struct Folder {
     option: &'static str,
     path: PathBuf,
-    /// The folders that were made for it, the innermost first.
+    /// The folders that were made for it, the outermost first.
     made: Vec<Listed>,
 }
 
@@ -77,8 +77,8 @@ impl Folder {
     pub(crate) fn named(option: &'static str, path: &Path) -> Result<Self> {
         let is_missing =
             |folder: &&Path| !folder.as_os_str().is_empty() && fs::symlink_metadata(folder).is_err();
-        let made =
-            path.ancestors().take_while(is_missing).map(Path::to_path_buf).map(Listed::folder).collect();
+        let missing: Vec<_> = path.ancestors().take_while(is_missing).collect();
+        let made = missing.into_iter().rev().map(|folder| Listed::folder(folder.to_path_buf())).collect();
         let folder = Self { option, path: path.to_path_buf(), made };
         fs::create_dir_all(path).with_context(|| format!("cannot make the folder {}", path.display()))?;
         expect_writable(path).with_context(|| format!("cannot write into the folder {}", path.display()))?;
@@ -109,7 +109,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        for folder in &self.made {
+        for folder in self.made.iter().rev() {
             // A folder that holds something stays.
             let _ = fs::remove_dir(folder.path());
         }
