@@ -378,7 +378,7 @@ def output_cases(program):
         "an empty name": ("", None),
         "a name that ends in a slash": ("place/", None),
         "this folder": (".", None),
-        "the root": ("/", None),
+        "a folder where nobody may write": ("/proc", None),
     }
     for command in program.commands:
         for option in outputs_of(program, command):

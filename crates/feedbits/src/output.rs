@@ -204,7 +204,11 @@ pub(crate) fn write_by<T>(place: &Place, by: impl FnOnce(&mut (dyn Write + Send)
     };
     places::write_file(path, |file| {
         let mut buffer = io::BufWriter::new(file);
-        let result = by(&mut buffer)?;
+        let result =
+            by(&mut buffer).map_err(|error| match error.is::<io::Error>() && error.chain().len() == 1 {
+                true => error.context(cannot_write_to(place)),
+                false => error,
+            })?;
         buffer.flush().with_context(|| cannot_write_to(place))?;
         Ok(result)
     })

@@ -285,6 +285,24 @@ fn a_large_file_is_merged_and_resumed() {
     }
 }
 
+/// A file of a sweep that lies where the report has a table is refused before anything is written.
+#[test]
+fn a_merge_that_would_overwrite_its_input_by_a_report_writes_nothing() {
+    let folder = folder();
+    sweep(folder.path(), &["--out", "s.jsonl"]);
+    fs::create_dir(folder.path().join("maps")).expect("a folder");
+    for name in ["cells.csv", "cells.json", "summary.csv"] {
+        let input = format!("maps/{name}");
+        fs::copy(folder.path().join("s.jsonl"), folder.path().join(&input)).expect("a copy");
+        let refused =
+            feedbits_in(folder.path(), &["merge", &input, "--out", "joined.jsonl", "--report", "maps"]);
+        assert_eq!(refused.status.code(), Some(2), "{}", unfolded(&refused.stderr));
+        assert!(unfolded(&refused.stderr).contains(name), "{}", unfolded(&refused.stderr));
+        assert!(!folder.path().join("joined.jsonl").exists(), "{name}");
+        fs::remove_file(folder.path().join(&input)).expect("a file");
+    }
+}
+
 /// A second sweep on the same file ends with a message and changes nothing. Shards without a named file have a file
 /// each.
 #[test]
