@@ -44,6 +44,10 @@ impl SweepFile {
             .truncate(false)
             .open(path)
             .with_context(cannot)?;
+        if !file.metadata().with_context(cannot)?.is_file() {
+            // A pipe would be waited for.
+            bail!("{name} is no file: a sweep reads what it has before it goes on");
+        }
         lock(&file, path)?;
         let header = line(plan)?;
         let (found, lines) = parsed(&name.to_string(), BufReader::new(&file))?;

@@ -303,6 +303,20 @@ fn a_merge_that_would_overwrite_its_input_by_a_report_writes_nothing() {
     }
 }
 
+/// A pipe that nobody writes into is not waited for.
+#[cfg(unix)]
+#[test]
+fn a_sweep_goes_into_a_file_alone() {
+    let folder = folder();
+    let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
+    assert!(made.expect("mkfifo starts").success());
+    for place in ["pipe", "/dev/null"] {
+        let refused = feedbits_in(folder.path(), &[&GRID[..], &["--out", place]].concat());
+        assert_eq!(refused.status.code(), Some(2), "{}", unfolded(&refused.stderr));
+        assert!(unfolded(&refused.stderr).contains(&format!("{place} is no file")), "{place}");
+    }
+}
+
 /// A second sweep on the same file ends with a message and changes nothing. Shards without a named file have a file
 /// each.
 #[test]
