@@ -5,16 +5,16 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use domains::options::{CONVERT_TOLERANCE, CORNER, DIGITS, FIT};
+use domains::options::{CONVERT_TOLERANCE, CORNER, DIGITS, FIT, RATIOS};
 use part_program::{
-    Curve, GAP_MM, MoveKind, Part, RatioWords, Rounded, inspect, write_curves, write_g1, write_g5_2,
-    write_g06_2,
+    Curve, GAP_MM, MoveKind, NoLargestRatio, Part, RatioWords, Rounded, inspect, write_curves, write_g1,
+    write_g5_2, write_g06_2,
 };
 use path_smooth::{FitOptions, FitReport, Fitted, fit_curves};
 
 use crate::ending::Ending;
 use crate::input::{Input, read_again};
-use crate::numbers::{number, whole};
+use crate::numbers::{number, whole, within};
 use crate::output;
 use crate::output::counted;
 use crate::places::Place;
@@ -63,11 +63,17 @@ pub(crate) struct Arguments {
     digits: Option<u8>,
     /// With --to g06.2: scale knots and weights, which are ratios, to at most this number, and round them to its decimals, as a
     /// control takes them: 999999.999 with FANUC's Series 15i and IS-B, 99.9999 with Mitsubishi's M700V.
-    #[arg(long, allow_negative_numbers = true, value_name = "LARGEST")]
+    #[arg(long, allow_negative_numbers = true, value_name = "LARGEST", value_parser = ratio_words)]
     ratios: Option<RatioWords>,
     /// Write to this file instead of the terminal.
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
+}
+
+/// The words for ratios: by the largest, within its domain.
+fn ratio_words(text: &str) -> Result<RatioWords, String> {
+    let words = text.parse().map_err(|error: NoLargestRatio| error.to_string())?;
+    within(&RATIOS, text).map(|_| words).map_err(|expected| format!("{NoLargestRatio}: {expected}"))
 }
 
 impl Arguments {
