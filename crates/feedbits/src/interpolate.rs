@@ -21,7 +21,7 @@ use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input, in_part};
 use crate::numbers::{number, refusal};
-use crate::places::{Folder, Place, cannot_write_to};
+use crate::places::{Folder, Place};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::{candidates, output};
@@ -171,9 +171,8 @@ fn written<const D: usize>(
             }
         })?;
         summary.chords = at_rest(summary.chords);
-        let cannot = || cannot_write_to(out);
-        failure.map_or(Ok(()), Err).with_context(cannot)?;
-        rows.finish().with_context(cannot)?;
+        failure.map_or(Ok(()), Err)?;
+        rows.finish()?;
         Ok((about, summary))
     })
 }

@@ -72,10 +72,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     for cell in &cells {
         text += &sweep_file::line(cell)?;
     }
-    if let Some(folder) = &places.folder {
-        // The cells say which pictures there are. None of them may be a file that was read.
-        report::claim(folder, &plan.report(&cells, &report::command())?)?;
-    }
+    let report = sweep::report_of(&plan, &cells, &places)?;
     output::write(&places.file, &text)?;
-    sweep::conclude(&plan, &cells, &places)
+    sweep::conclude(&plan, &cells, &places, report.as_ref())
 }

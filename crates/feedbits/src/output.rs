@@ -1,5 +1,6 @@
 //! Results, and messages beside them.
 
+use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -142,14 +143,14 @@ pub(crate) fn usage(error: &clap::Error) -> ExitCode {
 /// The words of the command line that are no text, each behind the option before it: the parser does not say which it took for
 /// a number or a name.
 fn words_that_are_no_text() -> String {
-    let words: Vec<_> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
-    let are_text: Vec<_> = std::env::args_os().map(|word| word.to_str().is_some()).collect();
-    let shown = |at: usize| match words[..at].last().filter(|before| before.starts_with("--")) {
-        Some(option) => format!("{option} {:?}", words[at]),
-        None => format!("{:?}", words[at]),
+    let words: Vec<_> = std::env::args_os().collect();
+    let pairs = words.windows(2).filter(|pair| pair[1].to_str().is_none());
+    let shown = |pair: &[OsString]| {
+        let word = format!("{:?}", pair[1].to_string_lossy());
+        let option = pair[0].to_str().filter(|before| before.starts_with("--"));
+        option.map_or(word.clone(), |option| format!("{option} {word}"))
     };
-    let found: Vec<_> = (0..words.len()).filter(|at| !are_text[*at]).map(shown).collect();
-    found.join(", ")
+    pairs.map(shown).collect::<Vec<_>>().join(", ")
 }
 
 /// The exit status of a print, which is refused if it failed.
@@ -189,9 +190,16 @@ pub(crate) fn write(place: &Place, text: &str) -> Result<()> {
     places::write_file(path, |file| file.write_all(text.as_bytes()).with_context(|| cannot_write_to(place)))
 }
 
-/// As [`write()`], for a text without styles that `by` writes bit by bit. If `by` fails, no file appears.
+/// As [`write()`], for a text without styles that `by` writes bit by bit. If `by` fails, no file appears. What fails of its writing
+/// names the place.
 pub(crate) fn write_by<T>(place: &Place, by: impl FnOnce(&mut (dyn Write + Send)) -> Result<T>) -> Result<T> {
     begin_work();
+    let by = |to: &mut (dyn Write + Send)| {
+        by(to).map_err(|error| match error.chain().any(|cause| cause.is::<io::Error>()) {
+            true => error.context(cannot_write_to(place)),
+            false => error,
+        })
+    };
     let Some(path) = place.path() else {
         let mut terminal = Terminal(io::BufWriter::new(io::stdout()));
         let result = by(&mut terminal);
@@ -204,11 +212,7 @@ pub(crate) fn write_by<T>(place: &Place, by: impl FnOnce(&mut (dyn Write + Send)
     };
     places::write_file(path, |file| {
         let mut buffer = io::BufWriter::new(file);
-        let result =
-            by(&mut buffer).map_err(|error| match error.is::<io::Error>() && error.chain().len() == 1 {
-                true => error.context(cannot_write_to(place)),
-                false => error,
-            })?;
+        let result = by(&mut buffer)?;
         buffer.flush().with_context(|| cannot_write_to(place))?;
         Ok(result)
     })

@@ -122,11 +122,6 @@ pub(crate) fn folder(path: Option<&Path>) -> Result<Option<Folder>> {
     Ok(Some(folder))
 }
 
-/// Refuses a report whose files have another role in this call.
-pub(crate) fn claim(folder: &Folder, report: &Report) -> Result<()> {
-    report.files.iter().try_for_each(|(name, _)| folder.place(name).map(|_| ()))
-}
-
 /// The files that the page in a folder lists, if it is a report's.
 fn listed(folder: &Folder) -> Vec<String> {
     let page = File::open(folder.path().join(Report::PAGE))

@@ -15,7 +15,7 @@ use format_compare::{
     Cost, Dimension, Engine, Format, JudgedRun, LeastPeriods, Options, PeriodCost, Problem, Space, Verdict,
     Watch,
 };
-use format_report::{Sweep, SweepCell, SweepCost, SweepResult};
+use format_report::{Report, Sweep, SweepCell, SweepCost, SweepResult};
 use part_program::{Curve, Machine, Move, Nurbs, Part};
 use target_cost::Target;
 
@@ -244,15 +244,30 @@ where
     let mut cells: Vec<SweepCell> =
         cells.into_iter().chain(done.into_iter().map(Ok)).collect::<Result<_>>()?;
     cells.sort_by_key(|cell| cell.cell);
-    conclude(&plan, &cells, places)
+    let report = report_of(&plan, &cells, places)?;
+    conclude(&plan, &cells, places, report.as_ref())
+}
+
+/// The report of a sweep, if there is to be one. Its cells say which pictures it has, and a report is refused whose files have
+/// another role in this call.
+pub(crate) fn report_of(plan: &Sweep, cells: &[SweepCell], places: &Places) -> Result<Option<Report>> {
+    let Some(folder) = &places.folder else { return Ok(None) };
+    let report = plan.report(cells, &report::command())?;
+    report.files.iter().try_for_each(|(name, _)| folder.place(name).map(|_| ()))?;
+    Ok(Some(report))
 }
 
 /// Prints the results. Before, writes the report if there is to be one: if it cannot be written, nothing is printed beside
 /// the error.
-pub(crate) fn conclude(plan: &Sweep, cells: &[SweepCell], places: &Places) -> Result<Ending> {
+pub(crate) fn conclude(
+    plan: &Sweep,
+    cells: &[SweepCell],
+    places: &Places,
+    report: Option<&Report>,
+) -> Result<Ending> {
     let Places { folder, file, terminal } = places;
-    let report = |folder| report::into(folder, &plan.report(cells, &report::command())?);
-    let page = folder.as_ref().map(report).transpose()?;
+    let page =
+        folder.as_ref().zip(report).map(|(folder, report)| report::into(folder, report)).transpose()?;
     let file = file.path().map_or_else(String::new, |file| file.display().to_string());
     let mut text = format!("{} of {} cells in {file}\n", cells.len(), plan.len());
     for (run, name) in plan.runs.iter().enumerate() {

@@ -35,7 +35,12 @@ fn a_full_disk_is_an_error_wherever_it_shows() {
     let output = in_shell(":", "formats > /dev/full", folder.path());
     assert_eq!(output.status.code(), Some(2));
     assert!(said(&output).contains("cannot write to the terminal"), "{}", said(&output));
-    is_refused(&feedbits(&["formats", "--out", "/dev/full"]), &["cannot write /dev/full", "No space left"]);
+    // `plan` and `interpolate` write row by row.
+    for command in ["formats", "plan", "interpolate"] {
+        let output = feedbits(&[command, "--out", "/dev/full"]);
+        is_refused(&output, &["cannot write /dev/full: No space left"]);
+        assert_eq!(said(&output).matches("cannot write").count(), 1, "{command}: {}", said(&output));
+    }
 }
 
 /// A device is written to, never replaced.

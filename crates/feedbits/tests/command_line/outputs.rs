@@ -486,20 +486,6 @@ fn nothing_is_printed_before_a_refusal() {
     }
 }
 
-/// A file that cannot be written whole is named, also where it is written row by row.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_place_is_named() {
-    let folder = inputs();
-    for words in ["plan p.nc --lenient --machine m.toml", "interpolate p.nc --lenient --machine m.toml"] {
-        let output = in_shell(folder.path(), &format!("feedbits {words} --out /dev/full"));
-        assert_eq!(output.status.code(), Some(2), "{words}: {}", said(&output));
-        let expected = "cannot write /dev/full: No space left";
-        assert_eq!(said(&output).matches("cannot write").count(), 1, "{words}: {}", said(&output));
-        assert!(said(&output).contains(expected), "{words}: {}", said(&output));
-    }
-}
-
 #[test]
 fn what_is_printed_is_printed_whole_or_the_status_is_2() {
     let folder = inputs();
