@@ -114,7 +114,7 @@ pub(crate) fn place_at(stages: &[Stage<f64>]) -> impl Fn(f64) -> f64 {
     }
 }
 
-/// Fixed point of whatever width: the planner is compiled once for all of it.
+/// Fixed point whose format a test chooses at run time, so that the planner is compiled once for all widths.
 pub(crate) type Fixed = RuntimeFixed<0>;
 
 /// What `work` finds where [`Fixed`] is the format of this name.

@@ -295,8 +295,8 @@ impl Part {
 fn append(pieces: &mut Vec<FeedPiece<f64>>, arc: &[Part; 2], end: &Node) {
     let parts: Vec<Part> = arc.iter().flat_map(|part| part.of_one_sign()).flatten().collect();
     for (i, part) in parts.iter().enumerate() {
-        // What is computed for the end of a part is off by a rounding, and a part that ends with no acceleration is no
-        // part of a longer change of feed.
+        // The end of a part is the begin of the next one, not what its motion computes: a rounding instead of 0 would join a
+        // fall of the feed and the rise behind it.
         let (end_feed, acceleration) =
             parts.get(i + 1).map_or((end.feed, end.acceleration), |next| (next.feed, next.acceleration));
         let sum = part.acceleration + acceleration;

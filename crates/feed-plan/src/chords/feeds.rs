@@ -197,8 +197,8 @@ mod tests {
         assert!((shortened(&[2.0, 2.0, 2.0]) - 2.475 / 2.0).abs() < 1e-15);
     }
 
-    /// Where the feed rises behind a fall whose last acceleration is 0 but for a rounding. Taken for one change, whose ends
-    /// differ by little, the correction went far below 0: the feed in between rose above the plan and its limit.
+    /// The last acceleration of a fall is a rounding instead of 0, and then the feed rises. The planner once took both for one
+    /// change, whose ends differ by little. Its correction went far below 0, so the feed in between rose above its limit.
     #[test]
     fn what_falls_and_then_rises_is_no_one_change() {
         let rows = [

@@ -107,7 +107,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         while let Some(wanted) = chords.advance(&mut cursor) {
             let is_last = chords.is_over(&cursor) || cursor.stage() >= chords.stages().len();
             let is_near = stop - reached <= wanted + wanted;
-            // From the stop itself a step would go to where the path goes on behind a rapid move.
+            // A run at the stop has no way left: what follows on the path may begin behind a rapid move.
             let rest = match reached < stop {
                 true if is_last || is_near => self.step_between(reached, stop),
                 true => wanted,
@@ -191,8 +191,8 @@ mod tests {
         assert!(largest(&joined) < 1e-7 && largest(&apart) < 1e-7, "{joined:?} {apart:?}");
     }
 
-    /// A run that is at its stop early stands there. The length of the rapid move behind the stop was once taken off what the run
-    /// would pass the stop by, so that a section whose first trial came early was not shortened at all.
+    /// A run that is at its stop early stands there, and passes it by all that it still wants. The planner once subtracted the
+    /// length of the rapid move behind the stop, and then did not shorten the section at all.
     #[test]
     fn a_run_that_is_early_at_a_stop_passes_it_by_as_much_wherever_the_path_goes_on() {
         let limits = in_periods(2e-3, 50.0, 1500.0, 3e4, 2e-3);
