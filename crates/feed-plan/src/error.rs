@@ -29,6 +29,14 @@ pub enum PlanError {
         /// Index of the curve.
         curve: usize,
     },
+    /// A part of this span takes so little of the span's parameters that the planner's finest steps do not see how it runs:
+    /// they take the path for shorter or longer than it is.
+    SpanTooUneven {
+        /// Index of the curve.
+        curve: usize,
+        /// Index of the span.
+        span: usize,
+    },
     /// Points of a limit curve are not in order of distance, or not numbers.
     PointsOutOfOrder {
         /// Index of the first point that is not after its predecessor.
@@ -38,8 +46,8 @@ pub enum PlanError {
     /// the limit is zero over a whole stretch between the two, or the limit is so low, or the distance so short, that
     /// the format resolves no transition.
     CannotMove {
-        /// Index of the limit point that is the first of the two key points.
-        index: usize,
+        /// Index of the curve on which the first of the two key points lies.
+        curve: usize,
     },
     /// The feed asked for at the start is above the limit there, or the path is too short to brake from it.
     StartFeedTooHigh,
@@ -54,6 +62,20 @@ pub enum PlanError {
     },
 }
 
+impl PlanError {
+    /// Index of the curve at which no plan could be made, where there is one.
+    #[must_use]
+    pub const fn curve(&self) -> Option<usize> {
+        match self {
+            Self::CurveFeedNotPositive { curve }
+            | Self::LengthOverflows { curve }
+            | Self::SpanTooUneven { curve, .. }
+            | Self::CannotMove { curve } => Some(*curve),
+            _ => None,
+        }
+    }
+}
+
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -66,13 +88,18 @@ impl fmt::Display for PlanError {
             Self::LengthOverflows { curve } => {
                 write!(f, "arc length does not increase along curve {curve}: the number format overflows")
             }
+            Self::SpanTooUneven { curve, span } => write!(
+                f,
+                "span {span} of curve {curve} runs much faster over its parameter in one part than in another, so that its length \
+                 is not seen in steps of a millionth of the span: expected weights and points of closer magnitudes"
+            ),
             Self::PointsOutOfOrder { index } => {
                 write!(f, "limit point {index} is not a number or lies before its predecessor")
             }
-            Self::CannotMove { index } => {
+            Self::CannotMove { curve } => {
                 write!(
                     f,
-                    "no feed leads on from limit point {index}: the feed limit is zero on the way to the next minimum or \
+                    "no feed leads on along curve {curve}: the feed limit is zero on the way to the next minimum or \
                      stop, or too low for the number format"
                 )
             }

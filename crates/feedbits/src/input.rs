@@ -73,8 +73,8 @@ impl AnyProblem {
 /// The result of work on a problem. A refusal of it says of which part, unless it does so itself.
 pub(crate) fn in_part<T, const D: usize>(problem: &Problem<D>, result: Result<T>) -> Result<T> {
     result.map_err(|error| match error.downcast_ref() {
-        None | Some(Refusal::CurveAt { .. } | Refusal::SectionTooLong { .. }) => error,
-        Some(_) => error.context(problem.name.clone()),
+        Some(refusal) if !Refusal::names_its_place(refusal) => error.context(problem.name.clone()),
+        _ => error,
     })
 }
 

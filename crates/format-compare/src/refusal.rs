@@ -27,6 +27,15 @@ pub enum Refusal {
     PlanIn(FormatName, Box<Refusal>),
     /// No plan exists.
     Plan(PlanError),
+    /// No plan leads along a move of the part.
+    PlanAt {
+        /// Name of the part.
+        part: String,
+        /// Line of the move.
+        line: usize,
+        /// The reason.
+        error: PlanError,
+    },
     /// The pieces do not fit the format.
     Compile(CompileError),
     /// A curve of the part cannot be compiled to pieces.
@@ -68,6 +77,18 @@ pub enum Refusal {
     },
 }
 
+impl Refusal {
+    /// Whether it says of which part it is, and where in it.
+    #[must_use]
+    pub fn names_its_place(&self) -> bool {
+        match self {
+            Self::CurveAt { .. } | Self::PlanAt { .. } | Self::SectionTooLong { .. } => true,
+            Self::PlanIn(_, refusal) => refusal.names_its_place(),
+            _ => false,
+        }
+    }
+}
+
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -77,6 +98,7 @@ impl fmt::Display for Refusal {
             }
             Self::PlanIn(format, refusal) => write!(f, "planning in {format}: {refusal}"),
             Self::Plan(error) => write!(f, "planning failed: {error}"),
+            Self::PlanAt { part, line, error } => write!(f, "{part}:{line}: planning failed: {error}"),
             Self::Compile(error) => error.fmt(f),
             Self::CurveAt { part, line, error } => write!(f, "{part}:{line}: {error}"),
             Self::ManyCurves(count) => write!(f, "one global parameter runs one curve, not {count}"),

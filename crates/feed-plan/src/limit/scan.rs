@@ -82,7 +82,11 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         index: usize,
         from_rest: bool,
     ) -> Result<(), PlanError> {
-        let stations = Span { shape, index, sampling: &self.sampling }.stations();
+        let span = Span { shape, index, sampling: &self.sampling };
+        let stations = span.stations();
+        if !span.is_resolved(&stations) {
+            return Err(PlanError::SpanTooUneven { curve, span: index });
+        }
         self.join(curve, shape, index, &stations, from_rest);
         self.append(curve, shape, &stations).ok_or(PlanError::LengthOverflows { curve })?;
         if index + 1 >= shape.span_count() {

@@ -5,7 +5,7 @@
 
 use alloc::vec::Vec;
 
-use nurbs_core::{Differentiate, Frenet, GaussLegendre, golden_section};
+use nurbs_core::{Differentiate, Frenet, GaussLegendre, arc_length, golden_section};
 use real::Real;
 
 use crate::KinematicLimits;
@@ -30,6 +30,8 @@ const GOLDEN_STEPS: usize = 24;
 const STOP: i32 = -12;
 /// C' vanishes where it is below 2⁻⁶ of its value at the ends of the finest stretch.
 const CUSP: i32 = -6;
+/// The walk has not seen a stretch if it takes its length wrongly by more than 2⁻³ of the chord error.
+const UNSEEN: i32 = -3;
 /// Unit tangents that differ by less than 2⁴ units of the format's resolution may differ by rounding only.
 const ROUNDING: i32 = 4;
 
@@ -140,6 +142,25 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         };
         self.keep_moving(&mut stations);
         stations
+    }
+
+    /// Whether the walk has seen how the path runs between these samples. A stretch that is as short as the walk takes them
+    /// and still not fine may hold a part of the path that none of its samples lies on: its length is then another
+    /// than that found by halving the stretch as often as it takes.
+    pub(crate) fn is_resolved(&self, stations: &[Station<R, D>]) -> bool {
+        let chord_error = self.sampling.limits.chord_error;
+        let is_line = self.shape.is_line(self.index);
+        is_line
+            || stations.windows(2).all(|pair| {
+                let [from, to] = [pair[0].at.u, pair[1].at.u];
+                pair[1].stretch.as_ref().is_none_or(|stretch| {
+                    stretch.is_fine || {
+                        let halved = arc_length(self.shape, from, to, chord_error.ldexp(UNSEEN - 3)).length;
+                        let rounding = (halved * R::resolution()).ldexp(ROUNDING);
+                        (stretch.length - halved).abs() <= chord_error.ldexp(UNSEEN).max(rounding)
+                    }
+                })
+            })
     }
 
     fn along_curve(&self) -> Vec<Station<R, D>> {
@@ -469,9 +490,10 @@ fn cosine<R: Real, const D: usize>(from: &Sample<R, D>, to: &Sample<R, D>) -> R 
 #[cfg(test)]
 mod tests {
     use nurbs_core::{Differentiate, NurbsBuf, arc_length};
+    use proptest::prelude::*;
 
     use crate::test_paths::{Power, hairpin, paper_limit_along, paper_limits, seed_000};
-    use crate::{FeedLimit, LimitPoint};
+    use crate::{FeedLimit, LimitPoint, PlanError};
 
     fn longest_step(limit: &FeedLimit<f64>) -> f64 {
         let steps = limit.points().zip(limit.points().skip(1)).map(|(from, to)| to.distance - from.distance);
@@ -521,6 +543,54 @@ mod tests {
         assert!(longest <= 1.2, "{longest}");
         let reference = arc_length(&curve.as_curve(), 0.0, 1.0, 1e-13).length;
         assert!((limit.length() / reference - 1.0).abs() < 1e-12, "{} {reference}", limit.length());
+    }
+
+    /// Over 2⁻²⁰ of its first span this curve runs along two sides of its polygon, 208 mm that were lost without a word.
+    /// Its length was found with 60 digits.
+    #[test]
+    fn a_length_that_the_walk_does_not_see_is_refused() {
+        let points =
+            [[150., 150.], [0., 0.], [0., 300.], [150., 150.], [300., 0.], [300., 300.], [150., 150.]];
+        let knots = vec![0., 0., 0., 0., 0.25, 0.5, 0.75, 1., 1., 1., 1.];
+        let weighted =
+            |weights: Vec<f64>| NurbsBuf::try_new(3, points.to_vec(), weights, knots.clone()).unwrap();
+        let uneven = weighted(vec![1., 1e9, 1e-9, 1., 1e6, 1., 1.]);
+        assert!((arc_length(&uneven.as_curve(), 0.0, 1.0, 1e-9).length - 724.268).abs() < 1e-3);
+        let refused = FeedLimit::along(&[uneven.as_curve()], &paper_limits()).unwrap_err();
+        assert_eq!(refused, PlanError::SpanTooUneven { curve: 0, span: 0 });
+        for ratio in [1.0, 1e2, 1e3] {
+            let curve = weighted(vec![1., ratio, 1. / ratio, 1., ratio, 1., 1.]);
+            let limit = paper_limit_along(&curve);
+            let reference = arc_length(&curve.as_curve(), 0.0, 1.0, 1e-9).length;
+            assert!(
+                (limit.length() - reference).abs() < 5e-4 / 8.0,
+                "{ratio}: {} {reference}",
+                limit.length()
+            );
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        /// Weights over any number of decades: the limit is as long as the curve, or refused.
+        #[test]
+        fn no_length_is_lost_whatever_the_weights(
+            decades in prop::array::uniform6(-9.0..9.0_f64), shares in prop::array::uniform3(0.0..1.0_f64),
+            points in prop::array::uniform6(prop::array::uniform2(0.0..300.0_f64)),
+        ) {
+            let weights = decades.map(|decade| 10.0_f64.powf(decade * shares[0])).to_vec();
+            let [low, high] = [shares[1].min(shares[2]), shares[1].max(shares[2])];
+            let knots = vec![0., 0., 0., 0., low, high, 1., 1., 1., 1.];
+            let Ok(curve) = NurbsBuf::try_new(3, points.to_vec(), weights, knots) else { return Ok(()) };
+            match FeedLimit::along(&[curve.as_curve()], &paper_limits()) {
+                Ok(limit) => {
+                    let reference = arc_length(&curve.as_curve(), 0.0, 1.0, 1e-9).length;
+                    let off = (limit.length() - reference).abs();
+                    prop_assert!(off < 5e-4, "{} for {reference}", limit.length());
+                }
+                Err(error) => prop_assert!(matches!(error, PlanError::SpanTooUneven { curve: 0, .. }), "{error}"),
+            }
+        }
     }
 
     #[test]

@@ -32,6 +32,12 @@ pub(crate) struct Key<R> {
     pub(crate) allowance: Allowance<R>,
 }
 
+/// The error that no feed leads on from a key point.
+pub(crate) fn cannot_move<R: Real>(limit: &FeedLimit<R>, from: &Key<R>) -> PlanError {
+    let curve = limit.samples().get(from.point).map_or(0, |sample| sample.point.curve);
+    PlanError::CannotMove { curve }
+}
+
 /// The ends and the significant minima of the limit.
 pub(crate) fn key_points<R: Real>(limit: &FeedLimit<R>, ends: EndFeeds<R>) -> Result<Vec<Key<R>>, PlanError> {
     let samples = limit.samples();

@@ -278,7 +278,7 @@ mod tests {
         let limit = limit_through(&[(0.0, 0.6), (5.0, 0.0), (6.0, 0.0), (9.0, 0.6)]);
         assert_eq!(
             plan(&limit, &paper_limits(), EndFeeds::default()),
-            Err(PlanError::CannotMove { index: 1 })
+            Err(PlanError::CannotMove { curve: 0 })
         );
         assert_eq!(jerk_free_duration(&limit, &paper_limits(), EndFeeds::default()), f64::MAX);
     }

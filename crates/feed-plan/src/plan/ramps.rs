@@ -18,7 +18,7 @@ use real::Real;
 use crate::limit::axis_budget::Allowance;
 use crate::limit::sample::LimitSample;
 use crate::plan::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS};
-use crate::plan::key_points::Key;
+use crate::plan::key_points::{Key, cannot_move};
 use crate::plan::ramp_shape::RampShape;
 use crate::plan::stages::Stages;
 use crate::{FeedLimit, PlanError};
@@ -145,7 +145,7 @@ fn between<R: Real>(
         flank.raise_to(from.feed.max(to.feed), LEVELS_BETWEEN_ENDS);
         flank.raise_to(flank.top(), LEVELS);
     }
-    let (up, down) = cruise(&rising, &falling, room).ok_or(PlanError::CannotMove { index: from.point })?;
+    let (up, down) = cruise(&rising, &falling, room).ok_or_else(|| cannot_move(limit, from))?;
 
     let mut at = R::zero();
     for ramp in rising.chain(&up) {

@@ -13,7 +13,7 @@
 
 use real::Real;
 
-use crate::plan::key_points::Key;
+use crate::plan::key_points::{Key, cannot_move};
 use crate::plan::stages::Stages;
 use crate::{FeedLimit, FeedPiece, KinematicLimits, PlanError, StageShape};
 
@@ -46,7 +46,7 @@ pub(crate) fn without_look_ahead<R: Real>(
         let next = limit.at(at + ahead).min(most).min(braking(left, feed, to.feed));
         let length = ((feed + next) * period).half();
         if !(length > R::zero() && at + length > at) {
-            return Err(PlanError::CannotMove { index: from.point });
+            return Err(cannot_move(limit, from));
         }
         if stages.count() >= MOST_STAGES {
             return Err(PlanError::TooManyPeriods { most: 1 << 20 });

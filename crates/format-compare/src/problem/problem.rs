@@ -156,6 +156,14 @@ impl<const D: usize> Problem<D> {
         }
     }
 
+    /// The refusal for curves that cannot be planned, with the place in the part.
+    pub(crate) fn plan_refusal(&self, error: PlanError) -> Refusal {
+        match error.curve().and_then(|curve| self.lines.get(curve)) {
+            Some(line) => Refusal::PlanAt { part: self.name.clone(), line: *line, error },
+            None => Refusal::Plan(error),
+        }
+    }
+
     /// The largest feed at each distance, in f64, in mm and periods.
     ///
     /// # Errors
