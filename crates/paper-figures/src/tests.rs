@@ -78,7 +78,7 @@ fn expected() -> Vec<(char, &'static str, &'static str, Printed, f64, f64)> {
         ('D', "section 3, end", "these moves by convert --fit 0.01: contour error", Words(""), 0.01192, 0.02),
         ('D', "section 3, end", "these by --fit 0.01 --every-point: contour error", Words(""), 0.002576, 0.02),
         ('D', "section 3, end", "G1 within 0.001 mm of the curve: contour error", Words(""), 0.004262, 0.02),
-        ('D', "section 3, end", "G06.2, the NURBS: contour error", Number(0.001), 0.002487, 0.02),
+        ('D', "section 3, end", "G06.2, the NURBS: contour error", Number(0.001), 0.002594, 0.02),
     ]
 }
 

@@ -9,7 +9,7 @@ use crate::FeedPiece;
 use crate::axes::grid::Grid;
 use crate::axes::way::{Motion, Strain, Way};
 
-/// Looks in each period, at least.
+/// Looks in each period, at least, or in each [moment](Way::moment) that is longer.
 const LOOKS: f64 = 10.0;
 /// Looks in each piece between joints, at least.
 const LEAST: f64 = 4.0;
@@ -17,7 +17,7 @@ const LEAST: f64 = 4.0;
 const WITHIN: f64 = 1e-8;
 
 /// The largest strain in each cell of the grid, of pieces that follow each other from the way's begin. Looks at least
-/// ten times a period, and on both sides of each knot and joint, where the jerk of an axis jumps. Where the way is even, feed and
+/// ten times a period, or a [moment](Way::moment) that is longer, and on both sides of each knot and joint, where the jerk of an axis jumps. Where the way is even, feed and
 /// acceleration are largest at an end of a piece, and its jerk is constant: there it looks at both ends alone.
 pub(crate) fn strains<const D: usize, C: Differentiate<f64, D>>(
     way: &Way<'_, C>,
@@ -73,7 +73,7 @@ impl<C> Looks<'_, '_, C> {
             }
             return;
         }
-        let step = self.way.limits.interpolation_period / LOOKS;
+        let step = self.way.moment() / LOOKS;
         let mut count = LEAST;
         while count * step < times[1] - times[0] {
             count += count;
@@ -103,7 +103,9 @@ impl<C> Looks<'_, '_, C> {
             return None;
         }
         let cell = grid.nodes.partition_point(|node| *node < motion.distance).saturating_sub(1);
-        let most = way.least_feed(motion.distance - beside, motion.distance + beside);
+        // Rounding may put a place beside a rest on it, where the limit is 0.
+        let inside = motion.distance.clamp(way.begin + way.rounding(), way.end - way.rounding());
+        let most = way.least_feed(inside - beside, inside + beside);
         Some((cell, way.strain(&motion, &way.bend(motion.distance), most)))
     }
 }

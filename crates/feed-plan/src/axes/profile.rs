@@ -1,7 +1,8 @@
 //! `v²` along a way and the limit of it, and how many cells it is worth to be close to it.
 //!
-//! Where a way is straight and its limit level, and the feed is at that limit, nothing changes, however long it takes. So a cell is a
-//! period long, or what else is asked for, where something changes, and longer in proportion to the time from there.
+//! Where a way is straight and its limit level, and the feed is at that limit, nothing changes, however long it takes; where a curve is
+//! passed so slowly that its bend takes little of any acceleration and jerk, hardly anything does. So a cell is a period long, or what
+//! else is asked for, where something changes, and longer in proportion to the time from there, as long as the way turns little over it.
 
 use alloc::vec::Vec;
 
@@ -19,6 +20,12 @@ const FARTHER: f64 = 1.25;
 const DIVISION: f64 = 1.5;
 /// By how much a cell grows for the time from where something changes.
 const GROWTH: f64 = 0.25;
+/// The most that is taken of any acceleration and jerk where hardly anything changes.
+const CALM: f64 = 0.125;
+/// The most that the way turns over a cell that is longer than asked for, radians.
+const TURN: f64 = 0.05;
+/// By how much more cells a change of the limit takes where cells are longer than asked for.
+const CLOSER: f64 = 20.0;
 /// Share of its limit that `v²` may be below it where the feed is at the limit.
 const AT_LIMIT: f64 = 0.02;
 
@@ -32,8 +39,8 @@ pub(crate) struct Point {
     pub(crate) distance: f64,
     square: f64,
     limit: f64,
-    /// The limit of the stretch that leads there, squared, if that is even.
-    even: Option<f64>,
+    /// The limit of the stretch that leads there, squared, and its curvature, if that is calm.
+    calm: Option<(f64, f64)>,
 }
 
 impl Profile {
@@ -72,33 +79,41 @@ impl Profile {
     }
 
     /// That of a solution on a grid with these nodes, in units of `square`, at the nodes, between them, and where the limit has points.
-    pub(crate) fn of<C>(way: &Way<'_, C>, nodes: &[f64], x: &[f64], square: f64, cell_time: f64) -> Self {
+    pub(crate) fn of<const D: usize, C: Differentiate<f64, D>>(
+        way: &Way<'_, C>,
+        nodes: &[f64],
+        x: &[f64],
+        square: f64,
+        cell_time: f64,
+    ) -> Self {
         let between = nodes.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]);
         let places = limit_places(way).chain(between).collect();
         let spline = Spline::new(nodes, x);
         Self::at(way, places, cell_time, |distance| spline.at(distance).0 * square)
     }
 
-    fn at<C>(way: &Way<'_, C>, mut places: Vec<f64>, cell_time: f64, square: impl Fn(f64) -> f64) -> Self {
+    fn at<const D: usize, C: Differentiate<f64, D>>(
+        way: &Way<'_, C>,
+        mut places: Vec<f64>,
+        cell_time: f64,
+        square: impl Fn(f64) -> f64,
+    ) -> Self {
         places.retain(|place| *place > way.begin && *place < way.end);
         places.sort_by(f64::total_cmp);
         places.dedup();
         let mut points = Vec::with_capacity(places.len());
-        let mut push = |distance: f64, even: Option<f64>| {
+        let mut push = |distance: f64, calm: Option<(f64, f64)>| {
             let feed = way.feed(distance);
-            points.push(Point { distance, square: square(distance), limit: feed * feed, even });
+            let calm = calm.map(|(feed, curvature)| (feed * feed, curvature));
+            points.push(Point { distance, square: square(distance), limit: feed * feed, calm });
         };
         for (i, place) in places.iter().enumerate() {
             let before = i.checked_sub(1).and_then(|before| places.get(before));
-            let even = before.and_then(|from| {
-                let middle = way.feed(0.5 * (from + place));
-                way.is_even(*from, *place).then_some(middle)
-            });
-            if let (Some(from), Some(feed)) = (before, even) {
-                divisions(*from, *place, feed * cell_time)
-                    .for_each(|place| push(place, even.map(|feed| feed * feed)));
+            let calm = before.and_then(|from| way.calm(*from, *place, CALM));
+            if let (Some(from), Some((feed, _))) = (before, calm) {
+                divisions(*from, *place, feed * cell_time).for_each(|place| push(place, calm));
             }
-            push(*place, even.map(|feed| feed * feed));
+            push(*place, calm);
         }
         Self { points }
     }
@@ -142,19 +157,22 @@ impl Profile {
             let change = |a: f64, b: f64| if a + b > 0.0 { 2.0 * (a - b).abs() / (a + b) } else { 0.0 };
             // Half of the logarithm of the square.
             let by_limit = 0.5 * change(from.limit, to.limit);
-            let wider = GROWTH * 0.5 * (apart[0] + apart[1]);
-            sum += duration(&from, &to) / (cell_time + wider) + per_e * (change(v, w) + by_limit);
+            let by_turn = to.calm.map_or(0.0, |(limit, curvature)| TURN / (curvature * Real::sqrt(limit)));
+            let wider = (GROWTH * 0.5 * (apart[0] + apart[1])).min(by_turn);
+            // What is one cell here must not hide how the limit dips.
+            let closer = if wider > cell_time { CLOSER } else { 1.0 };
+            sum += duration(&from, &to) / (cell_time + wider) + per_e * (change(v, w) + closer * by_limit);
             measure.push(sum);
         }
         measure
     }
 
-    /// The time from each point to the nearest stretch that is not at the limit of an even way.
+    /// The time from each point to the nearest stretch that is not at the limit of a calm way.
     fn apart(&self) -> Vec<f64> {
         let points = &self.points;
         let mut apart = alloc::vec![f64::MAX; points.len()];
         let is_calm = |from: &Point, to: &Point| {
-            to.even.is_some_and(|limit| from.square.min(to.square) >= (1.0 - AT_LIMIT) * limit)
+            to.calm.is_some_and(|(limit, _)| from.square.min(to.square) >= (1.0 - AT_LIMIT) * limit)
         };
         let mut reach = |from: usize, to: usize| {
             let (a, b) = (from.min(to), from.max(to));

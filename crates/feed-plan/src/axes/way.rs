@@ -8,6 +8,9 @@ use crate::axes::cube_root::cube_root;
 use crate::axes::geometry::{Bend, Geometry, Piece};
 use crate::limits::AXES;
 
+/// Share of the time A/J over which a motion is looked at as one.
+const MOMENT: f64 = 1.0 / 128.0;
+
 /// The way between two distances at which the plan rests.
 pub(crate) struct Way<'a, C> {
     pub(crate) geometry: &'a Geometry<'a, C>,
@@ -55,6 +58,10 @@ pub(crate) struct Motion {
     pub(crate) jerk: f64,
 }
 
+fn rounding_at(distance: f64) -> f64 {
+    (1.0 + distance.abs()) * 1e-12
+}
+
 impl<'a, C> Way<'a, C> {
     /// `None` if there is nothing of the path between the two distances.
     pub(crate) fn new<const D: usize>(
@@ -65,13 +72,33 @@ impl<'a, C> Way<'a, C> {
     where
         C: Differentiate<f64, D>,
     {
-        let rounding = (1.0 + end.abs()) * 1e-12;
+        let rounding = rounding_at(end);
         let pieces = geometry.pieces_between(begin + rounding, end - rounding);
-        (end > begin && !pieces.is_empty()).then_some(Self { geometry, limits, begin, end, pieces })
+        (end - begin > 2.0 * rounding && !pieces.is_empty()).then_some(Self {
+            geometry,
+            limits,
+            begin,
+            end,
+            pieces,
+        })
+    }
+
+    /// More than rounding may move a distance by.
+    pub(crate) fn rounding(&self) -> f64 {
+        rounding_at(self.end)
     }
 
     pub(crate) fn length(&self) -> f64 {
         self.end - self.begin
+    }
+
+    /// The time over which a motion is looked at as one: a period, or what is a small share of the time in which any jerk builds up its
+    /// acceleration, if that is longer.
+    pub(crate) fn moment(&self) -> f64 {
+        let limits = self.limits;
+        let path = limits.acceleration / limits.jerk;
+        let of_axes = limits.axes.iter().filter_map(|axis| Some(axis.acceleration? / axis.jerk?));
+        limits.interpolation_period.max(MOMENT * of_axes.fold(path, f64::min))
     }
 
     /// The piece that a distance is in, the earlier one at a joint.
@@ -110,6 +137,29 @@ impl<'a, C> Way<'a, C> {
         let middle = 0.5 * (from + to);
         is_line(middle).is_some_and(|piece| piece.begin <= from && to <= piece.end)
             && self.geometry.limit().is_level_over(from, to)
+    }
+
+    /// How calm the way is between two distances, if a motion at the limit takes no more of any acceleration and jerk there than
+    /// this share: the limit of the feed in the middle, and the curvature.
+    pub(crate) fn calm<const D: usize>(&self, from: f64, to: f64, share: f64) -> Option<(f64, f64)>
+    where
+        C: Differentiate<f64, D>,
+    {
+        let middle = 0.5 * (from + to);
+        let feed = self.feed(middle);
+        if self.is_even(from, to) {
+            return Some((feed, 0.0));
+        }
+        let piece =
+            self.piece_at(middle).filter(|piece| !piece.is_line && piece.begin <= from && to <= piece.end)?;
+        let (begin, end) = (self.feed(from), self.feed(to));
+        let acceleration = 0.5 * (end - begin) * (end + begin) / (to - from);
+        // As if the acceleration changed its sign over the stretch.
+        let jerk = 2.0 * acceleration * feed / (to - from);
+        let bend = self.geometry.bend(piece, middle);
+        let strain = self.strain(&Motion { distance: middle, feed, acceleration, jerk }, &bend, feed);
+        let curvature = Real::sqrt(bend.k.iter().fold(0.0, |sum, k| sum + k * k));
+        (strain.acceleration <= share && strain.jerk <= share).then_some((feed, curvature))
     }
 
     /// Whether an axis moves whose acceleration or jerk is limited, seen at both ends of each piece and in its middle.

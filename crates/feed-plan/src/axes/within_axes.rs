@@ -7,7 +7,7 @@
 //! 2. *Grid*: nodes even in planned time where something changes, first of a rough profile, then of a solution on a third of the cells.
 //! 3. *Program*: the least time, by an interior point.
 //! 4. *Arcs*: the longest of constant jerk that follow the solution.
-//! 5. *Check* at ten places a period at least, where something changes. Where it finds more than is allowed, that cell's limits are lowered and the program is solved
+//! 5. *Check* at ten places a period at least, or 1/128 of A/J if that is longer, where something changes. Where it finds more than is allowed, that cell's limits are lowered and the program is solved
 //!    again, three times at most; the rest is stretched in time evenly.
 //! 6. *Whole periods*, as for every plan.
 //!
@@ -37,7 +37,7 @@ use crate::{FeedLimit, FeedPiece, KinematicLimits, PlanError, ScheduleBuf, Stage
 
 /// Iterations of the program, at most.
 const ITERATIONS: u32 = 60;
-/// Share of a period that a cell takes, at most, where something changes.
+/// Share of a [moment](Way::moment) that a cell takes, at most, where something changes.
 const CELL: f64 = 1.0;
 /// Cells of a way, at least.
 const FEWEST: f64 = 400.0;
@@ -69,7 +69,8 @@ struct Effort {
 ///
 /// `limit` is the feed limit [without reserves](FeedLimit::without_reserves) of these curves, `today` a plan under
 /// [`FeedLimit::along`] them. From a replaced way on, the plan keeps the feed limit, acceleration and jerk of the path, and of each
-/// axis velocity `e v`, acceleration `e a + k v²` and jerk `e j + 3 k v a + c v³`, seen at ten places a period, but for rounding.
+/// axis velocity `e v`, acceleration `e a + k v²` and jerk `e j + 3 k v a + c v³`, seen at ten places a period, but for rounding; where a period is much shorter than the time A/J, at ten places in
+/// 1/128 of that time.
 /// Not the least time: the program is not convex, and the arcs lose a little. Takes no more than 60 iterations for each of five
 /// solutions; time and memory grow with the periods in which the feed, its limit or the direction changes, and with the moves. With `std` all cores plan, each a section at a time.
 ///
@@ -160,25 +161,14 @@ fn solve<const D: usize, C: Differentiate<f64, D>>(
     today: f64,
     cell: f64,
 ) -> Option<(Vec<FeedPiece<f64>>, Effort)> {
-    let cell_time = (cell * way.limits.interpolation_period).min(cell * today / FEWEST);
-    let rough = Profile::rough(way, COARSER * cell_time);
-    let coarse = Grid::new(way, &rough, COARSER * cell_time, COARSER)?;
-    let mut solver = Solver::new(way, coarse);
-    let square = solver.square();
-    let guess = near(&solver.grid.nodes, |distance| (0.5 * rough.square(distance) / square, 0.0));
-    solver.run(guess, 1.0, GAPS[0])?;
-    let mut effort = Effort { iterations: [solver.iterations, 0, 0], ..Effort::default() };
-    let profile = Profile::of(way, &solver.grid.nodes, &solver.x, square, cell_time);
-    let fine = Grid::new(way, &profile, cell_time, 1.0)?;
-    let spline = Spline::new(&solver.grid.nodes, &solver.x);
-    let guess = near(&fine.nodes, |distance| spline.at(distance));
-
+    let cell_time = (cell * way.moment()).min(cell * today / FEWEST);
+    let (fine, guess, iterations) = coarsely(way, cell_time)?;
     let mut solver = Solver::new(way, fine);
     solver.run(guess, 0.1, GAPS[1])?;
-    effort = Effort { nodes: solver.grid.nodes.len(), ..effort };
-    effort.iterations[1] = solver.iterations;
+    let of_fine = solver.iterations;
     let (mut best, mut strains) = solver.arcs()?;
-    effort = Effort { time: solver.time, stretch: best.stretch, ..effort };
+    let (nodes, time, stretch) = (solver.grid.nodes.len(), solver.time, best.stretch);
+    let mut effort = Effort { nodes, iterations: [iterations, of_fine, 0], time, stretch };
     for round in 0..ROUNDS {
         if !(best.stretch > 1.0 + WORTH[round.min(1)]) {
             break;
@@ -187,7 +177,7 @@ fn solve<const D: usize, C: Differentiate<f64, D>>(
         let guess = solver.x.clone();
         let Some(()) = solver.run(guess, 0.02, GAPS[1]) else { break };
         effort.iterations[2] += solver.iterations;
-        let (other, others) = solver.arcs()?;
+        let Some((other, others)) = solver.arcs() else { break };
         strains = others;
         if other.time * other.stretch < best.time * best.stretch {
             effort = Effort { time: solver.time, stretch: other.stretch, ..effort };
@@ -196,6 +186,25 @@ fn solve<const D: usize, C: Differentiate<f64, D>>(
     }
     let Found { pieces, stretch, .. } = best;
     Some((pieces.into_iter().map(|piece| slower(&piece, stretch)).collect(), effort))
+}
+
+/// The grid of the cells that are asked for, a guess of the solution on it, and the iterations that it took to solve on coarser cells.
+fn coarsely<const D: usize, C: Differentiate<f64, D>>(
+    way: &Way<'_, C>,
+    cell_time: f64,
+) -> Option<(Grid, Vec<f64>, u32)> {
+    let rough = Profile::rough(way, COARSER * cell_time);
+    let coarse = Grid::new(way, &rough, COARSER * cell_time, COARSER)?;
+    let mut solver = Solver::new(way, coarse);
+    let square = solver.square();
+    let guess = near(&solver.grid.nodes, |distance| (0.5 * rough.square(distance) / square, 0.0));
+    drop(rough);
+    solver.run(guess, 1.0, GAPS[0])?;
+    let profile = Profile::of(way, &solver.grid.nodes, &solver.x, square, cell_time);
+    let fine = Grid::new(way, &profile, cell_time, 1.0)?;
+    let spline = Spline::new(&solver.grid.nodes, &solver.x);
+    let guess = near(&fine.nodes, |distance| spline.at(distance));
+    Some((fine, guess, solver.iterations))
 }
 
 fn slower(piece: &FeedPiece<f64>, factor: f64) -> FeedPiece<f64> {

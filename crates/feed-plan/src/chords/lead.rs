@@ -109,7 +109,7 @@ mod tests {
             let Ok(mut planned) = planned else { continue };
             if kind == ProfileKind::Fastest && limits.limit_accelerations_of_axes(2) {
                 let free = FeedLimit::without_reserves(&curves, limits, &[]).unwrap();
-                let Ok(within) = planned.within_axes(free, &curves, limits) else { continue };
+                let Ok(within) = Planned::within_axes(&planned.arcs, free, &curves, limits) else { continue };
                 planned = within;
             }
             let both = [planned.arcs.stages(), planned.chords.stages()];

@@ -62,19 +62,19 @@ impl<R: Real> Planned<R> {
 }
 
 impl Planned<f64> {
-    /// Plans the sections from rest to rest anew in which single axes are limited, so that each axis may use all of its
-    /// acceleration and jerk: [`plan_within_axes`]. `limit` is that of these curves
-    /// [without reserves](FeedLimit::without_reserves) for the axes, with the same stops and feeds as `self.limit`.
+    /// Plans the sections of `today`, a plan of these curves, anew in which single axes are limited, so that each axis may use all of
+    /// its acceleration and jerk: [`plan_within_axes`]. `limit` is that of the curves
+    /// [without reserves](FeedLimit::without_reserves) for the axes, with the stops and feeds of the limit of `today`.
     ///
     /// # Errors
     /// As [`plan_within_axes`].
     pub fn within_axes<const D: usize, C: Differentiate<f64, D> + Sync>(
-        self,
+        today: &ScheduleBuf<f64>,
         limit: FeedLimit<f64>,
         curves: &[C],
         limits: &KinematicLimits<f64>,
     ) -> Result<Self, PlanError> {
-        let arcs = plan_within_axes(curves, limits, &limit, &self.arcs)?;
+        let arcs = plan_within_axes(curves, limits, &limit, today)?;
         let chords = limit.in_chords(curves, &arcs);
         Ok(Self { limit, arcs, chords })
     }

@@ -54,10 +54,9 @@ pub(crate) struct LimitInterval<R> {
     pub(crate) inside: [R; 2],
     /// The limit at the end point, where there may be a stop.
     pub(crate) allowed_end: R,
-    is_straight: bool,
 }
 
-/// The intervals between these limit points; a straight way with a level limit is one.
+/// The intervals between these limit points; a way with a level limit is one.
 pub(crate) fn intervals<R: Real>(samples: &[LimitSample<R>]) -> Vec<LimitInterval<R>> {
     let square = |feed: R| feed * feed;
     // Without the margin; but next to a stop, where the limit is released, the lower value is the higher one.
@@ -74,7 +73,6 @@ pub(crate) fn intervals<R: Real>(samples: &[LimitSample<R>]) -> Vec<LimitInterva
                 square(feed(i + 1, samples[i + 1].lower_before)),
             ],
             allowed_end: square(feed(i + 1, samples[i + 1].lower)),
-            is_straight: length.is_zero() || !samples[i + 1].bends,
         };
         match intervals.last_mut().filter(|last| last.goes_on_in(&interval)) {
             Some(last) => last.length = last.length + length,
@@ -85,11 +83,11 @@ pub(crate) fn intervals<R: Real>(samples: &[LimitSample<R>]) -> Vec<LimitInterva
 }
 
 impl<R: Real> LimitInterval<R> {
-    /// Whether the next interval goes straight on at the same limit.
+    /// Whether the next interval goes on at the same limit.
     fn goes_on_in(&self, next: &Self) -> bool {
         let level = self.inside[0];
         let is_level = |interval: &Self| interval.inside == [level; 2] && interval.allowed_end == level;
-        self.is_straight && next.is_straight && is_level(self) && is_level(next)
+        is_level(self) && is_level(next)
     }
 
     /// The most that V² can change by, `2 A s`.

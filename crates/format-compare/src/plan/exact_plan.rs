@@ -54,10 +54,12 @@ fn planned<R: Backend, C: Differentiate<R, D>, const D: usize>(
     profile: ProfileKind,
 ) -> Result<Planned<R>, Refusal> {
     let feed_of = feeds_in_format(problem, limits.feedrate)?;
-    let limit = FeedLimit::along_with_stops(curves, limits, &problem.stops)?.capped(feed_of)?;
+    let refusal = |error| problem.plan_refusal(error);
+    let limit = FeedLimit::along_with_stops(curves, limits, &problem.stops);
+    let limit = limit.and_then(|limit| limit.capped(feed_of)).map_err(refusal)?;
     let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
     let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
-    Ok(Planned::under(limit, curves, limits, ends, profile)?)
+    Planned::under(limit, curves, limits, ends, profile).map_err(refusal)
 }
 
 impl ExactPlan {
@@ -86,9 +88,12 @@ impl ExactPlan {
             let curves = problem.fast_curves();
             let mut planned = planned(&curves, &limits, problem, end_feeds_mm_per_s, profile)?;
             if profile == ProfileKind::Fastest && limits.limit_accelerations_of_axes(D) {
+                // A long path's limit takes much memory: there is one at a time.
+                let today = planned.arcs;
+                drop(planned.limit);
                 let limit = FeedLimit::without_reserves(&curves, &limits, &problem.stops)?
                     .capped(feeds_in_format(problem, limits.feedrate)?)?;
-                planned = planned.within_axes(limit, &curves, &limits)?;
+                planned = Planned::within_axes(&today, limit, &curves, &limits)?;
             }
             drop(curves);
             let plan = Self::of(&planned, profile);
@@ -132,7 +137,8 @@ impl ExactPlan {
         let done = plan_through_window(curves, &limits, window, profile, |stages| {
             arcs.extend(stages.arcs.iter().map(|stage| stage.map(exact)));
             chords.extend(stages.chords.iter().map(|stage| stage.map(exact)));
-        })?;
+        })
+        .map_err(|error| problem.plan_refusal(error))?;
         let [arcs, chords] = [arcs, chords].map(on_the_grid);
         let sections = section_periods(&chords);
         Ok(Self { arcs, chords, periods: done.periods, sections, profile, limit: OnceLock::new() })

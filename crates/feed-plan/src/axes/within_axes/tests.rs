@@ -158,6 +158,28 @@ fn above_the_least(curve: &NurbsBuf<f64, 2>, limits: &KinematicLimits<f64>) -> O
     Some((duration(&pieces) / fine.time - 1.0, before / fine.time - 1.0, effort))
 }
 
+/// Far from the path's start a look beside a rest was rounded onto it, where the limit is 0: the way kept its slower plan.
+#[test]
+fn a_way_takes_as_long_wherever_it_begins() {
+    let y = AxisLimits { velocity: None, ..axis(0.0, 1500.0, 6e4) };
+    let limits = with_axes([axis(200.0, 2000.0, 8e4), y, AxisLimits::default()]);
+    let periods = |before: f64| {
+        let points = vec![[before, 0.0], [before, 9.0], [before + 7.0, 11.0], [before + 20.0, 4.0]];
+        let bend = NurbsBuf::try_new_nonrational(3, points, vec![0., 0., 0., 0., 1., 1., 1., 1.]).unwrap();
+        let line = polyline(&[[0.0, 0.0], [before, 0.0]]).remove(0);
+        let (_, today, faster) = plans(&[line.as_curve(), bend.as_curve()], &limits);
+        let of = |plan: &ScheduleBuf<f64>| plan.as_schedule().sections().last().unwrap().duration();
+        (of(&today), of(&faster))
+    };
+    let (slow, fast) = periods(1.0);
+    assert!(fast < slow - 1.0, "{fast} {slow}");
+    for number in 1..=12 {
+        let before = 137.311 * f64::from(number);
+        let (_, found) = periods(before);
+        assert!((found - fast).abs() < 1.01, "{before}: {found} for {fast}, {slow} today");
+    }
+}
+
 #[test]
 fn the_papers_curves_take_hardly_longer_than_the_least_time() {
     let mut sum = 0.0;

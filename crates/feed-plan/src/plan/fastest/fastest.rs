@@ -58,7 +58,8 @@ pub(crate) fn section<R: Real>(
     most: &Most<R>,
 ) -> Option<Fit<R>> {
     let &Ends { points, feeds, start } = ends;
-    let mut points = limit_points(limit, points, most.period);
+    let step = (most.acceleration / most.jerk / R::from_ratio(NODES, 1)).max(most.period.ldexp(-2));
+    let mut points = limit_points(limit, points, [most.period, step]);
     let (first, last) = (*points.first()?, *points.last()?);
     let is_slow = feeds[0] <= first.1 + first.1.ldexp(TOLERANCE);
     if points.iter().any(|point| !(point.1 > R::zero())) || points.len() < 2 || !is_slow {
@@ -67,7 +68,6 @@ pub(crate) fn section<R: Real>(
     // The ends are passed at their feeds; beside them the limit holds.
     points.first_mut()?.1 = feeds[0];
     points.last_mut()?.1 = feeds[1].min(last.1);
-    let step = (most.acceleration / most.jerk / R::from_ratio(NODES, 1)).max(most.period.ldexp(-2));
     let nodes = nodes(&points, [first.1, last.1], most.acceleration, step);
     // Whoever is too fast to brake, or to have got so fast, is not on the profile.
     if nodes.first()?.free < points.first()?.1 || nodes.last()?.free < points.last()?.1 {

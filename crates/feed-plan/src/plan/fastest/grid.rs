@@ -76,20 +76,25 @@ impl<R: Real> Place<R> {
 
 /// Distance and limit of the samples from `first` to `last`; at both ends what holds inside. At a jump it is the less of both sides,
 /// and on a straight way what holds beside the jump from a `period` away on. Where a straight way has a level limit, there are no points
-/// between its ends.
+/// between its ends, and where a curve has one, none within four periods of the one before, or within the time between nodes near corners,
+/// if that is less.
 pub(crate) fn limit_points<R: Real>(
     limit: &FeedLimit<R>,
     [first, last]: [usize; 2],
-    period: R,
+    [period, step]: [R; 2],
 ) -> Vec<(R, R)> {
+    let near = step.min(period.ldexp(2));
     let samples = limit.samples().get(first..=last).unwrap_or_default();
     let places = (first..).zip(samples).map(|(k, sample)| Place::of(sample, k == first, k == last));
     let mut places = places.peekable();
     let mut points: Vec<(R, R)> = Vec::new();
     let mut is_level = false;
     let mut add = |s: R, v: R, bends: bool| {
-        let goes_on = !bends && points.last().is_some_and(|point| point.1 == v);
-        match points.last_mut().filter(|_| goes_on && is_level) {
+        let goes_on = points.last().is_some_and(|point| point.1 == v);
+        let is_near =
+            |points: &[(R, R)]| points.iter().rev().nth(1).is_some_and(|begin| s - begin.0 <= v * near);
+        let replaces = goes_on && is_level && (!bends || is_near(&points));
+        match points.last_mut().filter(|_| replaces) {
             Some(point) => point.0 = s,
             None => points.push((s, v)),
         }
@@ -279,10 +284,10 @@ mod tests {
         let feeds =
             [(0.0, 0.6), (10.0, 0.6), (20.0, 0.6), (20.0, 0.1), (20.0, 0.6), (30.0, 0.6), (40.0, 0.6)];
         let expected = [(0.0, 0.6), (19.4, 0.6), (20.0, 0.1), (20.6, 0.6), (40.0, 0.6)];
-        assert_eq!(limit_points(&limit_through(&feeds), [0, 6], 1.0), expected);
+        assert_eq!(limit_points(&limit_through(&feeds), [0, 6], [1.0; 2]), expected);
         // On a move of two periods, a quarter of it.
         let feeds = [(0.0, 0.6), (0.0, 0.1), (1.2, 0.1), (1.2, 0.6), (2.4, 0.6)];
         let expected = [(0.0, 0.1), (1.2, 0.1), (1.5, 0.6), (2.4, 0.6)];
-        assert_eq!(limit_points(&limit_through(&feeds), [0, 4], 1.0), expected);
+        assert_eq!(limit_points(&limit_through(&feeds), [0, 4], [1.0; 2]), expected);
     }
 }
