@@ -16,6 +16,8 @@ const STRAIGHT_SAMPLES: u32 = 8;
 /// Golden sections of a refinement. Each leaves 0.618 of the range, all together 3e-8 of three sample widths. For a
 /// point on the curve the error of the distance is of that order; for other points it is of second order.
 const SECTIONS: usize = 36;
+/// Sides of the polygon through the samples that are looked at together: those of which the box is farther off than another side are not.
+const SIDES: usize = 8;
 /// A curve is compared with this many moves before its own and this many after it.
 const NEAR: usize = 3;
 
@@ -25,8 +27,31 @@ pub(crate) struct Track {
     /// Parameters and points.
     samples: Vec<(f64, [f64; 3])>,
     is_straight: bool,
+    /// The box of the curve's control points, in which it lies.
+    around: Box3,
+    /// The boxes of each [`SIDES`] sides of the polygon through the samples.
+    boxes: Vec<Box3>,
+}
+
+/// The least box with sides along the axes in which some points lie.
+struct Box3 {
     low: [f64; 3],
     high: [f64; 3],
+}
+
+impl Box3 {
+    fn around<'a>(points: impl Iterator<Item = &'a [f64; 3]> + Clone) -> Self {
+        let over = |pick: fn(f64, f64) -> f64| {
+            std::array::from_fn(|d| points.clone().map(|p| p[d]).reduce(pick).unwrap_or(0.0))
+        };
+        Self { low: over(f64::min), high: over(f64::max) }
+    }
+
+    /// The distance from a point to the nearest one inside.
+    fn distance(&self, point: &[f64; 3]) -> f64 {
+        let outside = |d: usize| (self.low[d] - point[d]).max(point[d] - self.high[d]).max(0.0);
+        length(&std::array::from_fn(outside))
+    }
 }
 
 impl Track {
@@ -44,12 +69,11 @@ impl Track {
                 samples.push((u, evaluated.point(u)));
             }
         }
-        let over = |pick: fn(f64, f64) -> f64| {
-            let points = curve.control_points_mm();
-            std::array::from_fn(|d| points.iter().map(|p| p[d]).reduce(pick).unwrap_or(0.0))
-        };
-        let (low, high) = (over(f64::min), over(f64::max));
-        Ok(Self { curve: nurbs, samples, is_straight, low, high })
+        let around = Box3::around(curve.control_points_mm().iter());
+        let points: Vec<_> = samples.iter().map(|(_, point)| *point).collect();
+        let boxes = (0..points.len().saturating_sub(1)).step_by(SIDES);
+        let boxes = boxes.map(|first| Box3::around(points.iter().skip(first).take(SIDES + 1))).collect();
+        Ok(Self { curve: nurbs, samples, is_straight, around, boxes })
     }
 
     /// The distance from `point` to the curve, or `limit` if that is less.
@@ -65,17 +89,21 @@ impl Track {
     /// Connects the samples to a polygon. Returns the polygon's side nearest to `point`, with its distance; `None` if
     /// the curve is not nearer than `limit`.
     fn nearest_side(&self, point: &[f64; 3], limit: f64) -> Option<(usize, f64)> {
-        // The curve lies within the box of its control points.
-        let outside = std::array::from_fn(|d| (self.low[d] - point[d]).max(point[d] - self.high[d]).max(0.0));
-        if length(&outside) >= limit {
+        if self.around.distance(point) >= limit {
             return None;
         }
-        let sides = self
-            .samples
-            .windows(2)
-            .map(|side| distance_to_segment(point, &[side[0].1, side[1].1]))
-            .enumerate();
-        sides.min_by(|a, b| a.1.total_cmp(&b.1))
+        let distances: Vec<f64> = self.boxes.iter().map(|sides| sides.distance(point)).collect();
+        let first = (0..distances.len()).min_by(|a, b| distances[*a].total_cmp(&distances[*b]))?;
+        let others = (0..distances.len()).filter(|other| *other != first);
+        std::iter::once(first).chain(others).fold(None, |nearest, group| {
+            let may_be_nearer = nearest.is_none_or(|(_, distance)| distances[group] <= distance);
+            let sides = self.samples.windows(2).enumerate().skip(group * SIDES).take(SIDES);
+            let sides = sides.filter(|_| may_be_nearer);
+            let sides =
+                sides.map(|(index, ends)| (index, distance_to_segment(point, &[ends[0].1, ends[1].1])));
+            // Of equally near sides the first.
+            sides.chain(nearest).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
+        })
     }
 
     /// The least distance over [from, to], both ends included.
