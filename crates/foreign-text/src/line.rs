@@ -12,7 +12,8 @@ pub fn is_printable(c: char) -> bool {
             // Latin marks without the soft hyphen: ° ² µ · × and others.
             | '\u{a1}'..='\u{ac}' | '\u{ae}'..='\u{bf}' | '×' | '÷'
             // Dashes, quotes, dots and primes; not the separators of lines and the marks of direction that stand among them.
-            | '\u{2010}'..='\u{2027}' | '\u{2030}'..='\u{205e}'
+            // The narrow space divides the digits of a number.
+            | '\u{2010}'..='\u{2027}' | '\u{202f}'..='\u{205e}'
             // Signs up and down of a line, currencies, arrows, operators, technical signs.
             | '\u{207a}'..='\u{207e}' | '\u{208a}'..='\u{208e}' | '\u{20a0}'..='\u{20c0}' | '\u{2190}'..='\u{23ff}'
             // Lines, shapes, marks; and what stands for a character that is none.

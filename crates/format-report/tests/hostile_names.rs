@@ -208,9 +208,16 @@ fn a_name_changes_the_words_of_a_sweep_s_report_alone() {
     }
 }
 
-/// What the report's own words hold is let through.
+/// What the report's own words hold is let through: each `?` of the page ends a question.
 #[test]
 fn the_report_s_own_marks_stay() {
+    let report = Example::new().report("plain", "t");
+    for (file, text) in
+        report.files.iter().filter(|file| file.0.ends_with(".html") || file.0.ends_with(".svg"))
+    {
+        let text = text.split_once("<script>").map_or(text.as_str(), |(text, _)| text);
+        assert!(text.match_indices('?').all(|(at, _)| text[at..].starts_with("?<")), "{file}");
+    }
     let text = [include_str!("../templates/page.js"), include_str!("../templates/page.css")].concat();
     assert!(text.chars().all(|c| c == '\n' || is_printable(c)));
 }
