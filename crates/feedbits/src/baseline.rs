@@ -46,7 +46,6 @@ pub(crate) struct BaselineArguments {
     /// By how much a figure may grow over the baseline's, in per cent.
     #[arg(
         long,
-        allow_negative_numbers = true,
         value_name = "PERCENT",
         default_value_t = 1.0,
         requires = "baseline",

@@ -100,7 +100,10 @@ where
         progress.periods(done, all);
     };
     let watch = Watch { traces: folder.is_some(), progress: &watched };
-    let mut compared = format_compare::compare_with(problem, &formats, &engines, &interruptible, &watch)?;
+    let runs = || format_compare::compare_with(problem, &formats, &engines, &interruptible, &watch);
+    let mut compared = interrupt::unless_interrupted(runs, || {
+        output::say("feedbits: interrupted while a plan was made: no run is printed");
+    })?;
     progress.finish();
     let end = |finished: Comparison| interrupted(finished, arguments.output.json, out);
     if !interrupt::is_set() {

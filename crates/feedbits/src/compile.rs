@@ -48,20 +48,19 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "out", conflicts_with_all = ["language", "flash"])]
     stream: bool,
     /// Bytes of that buffer: refuse a part with a section that takes more.
-    #[arg(long, allow_negative_numbers = true, value_name = "BYTES", requires = "stream", value_parser = whole::<usize>(&BUFFER))]
+    #[arg(long, value_name = "BYTES", requires = "stream", value_parser = whole::<usize>(&BUFFER))]
     buffer: Option<usize>,
     /// Write to this file instead of the terminal. For C: to PATH.h and PATH.c, whose public names begin with PATH's last
     /// part.
     #[arg(long, value_name = "PATH")]
     out: Option<std::path::PathBuf>,
     /// Bytes of flash for the tables: refuse a part that takes more.
-    #[arg(long, allow_negative_numbers = true, value_name = "BYTES", value_parser = whole::<usize>(&FLASH))]
+    #[arg(long, value_name = "BYTES", value_parser = whole::<usize>(&FLASH))]
     flash: Option<usize>,
     /// In C and in a stream: with feed override up to this percentage of the commanded feed, 100 to 200, and feed hold. Such
     /// a run goes from rest to rest.
     #[arg(
         long,
-        allow_negative_numbers = true,
         value_name = "PERCENT",
         conflicts_with_all = ["start_feed", "end_feed"],
         value_parser = number(&FEED_OVERRIDE)
@@ -70,7 +69,6 @@ pub(crate) struct Arguments {
     /// Share of acceleration and jerk that the plan leaves for changes of the override, in per cent.
     #[arg(
         long,
-        allow_negative_numbers = true,
         value_name = "PERCENT",
         default_value_t = 20.0,
         requires = "feed_override",

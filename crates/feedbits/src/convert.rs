@@ -40,12 +40,11 @@ pub(crate) struct Arguments {
     to: Option<Target>,
     /// Write runs of straight moves as cubic curves that are at most so far from them, in mm; the distance is proven. Corners,
     /// rests and changes of feed stay.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM", value_parser = number(&FIT))]
+    #[arg(long, value_name = "MM", value_parser = number(&FIT))]
     fit: Option<f64>,
     /// With --fit: a change of direction above this, in degrees, is a corner.
     #[arg(
         long,
-        allow_negative_numbers = true,
         value_name = "DEGREES",
         requires = "fit",
         default_value_t = 30.0,
@@ -56,14 +55,14 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "fit")]
     every_point: bool,
     /// With --to g1: largest distance between the curves and the straight moves, in mm. Default: 0.001.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM", value_parser = number(&CONVERT_TOLERANCE))]
+    #[arg(long, value_name = "MM", value_parser = number(&CONVERT_TOLERANCE))]
     tolerance: Option<f64>,
     /// Round coordinates, in mm, to so many decimals, as a control takes them. All other numbers are kept as they are.
-    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = whole::<u8>(&DIGITS))]
+    #[arg(long, value_name = "N", value_parser = whole::<u8>(&DIGITS))]
     digits: Option<u8>,
     /// With --to g06.2: scale knots and weights, which are ratios, to at most this number, and round them to its decimals, as a
     /// control takes them: 999999.999 with FANUC's Series 15i and IS-B, 99.9999 with Mitsubishi's M700V.
-    #[arg(long, allow_negative_numbers = true, value_name = "LARGEST", value_parser = ratio_words)]
+    #[arg(long, value_name = "LARGEST", value_parser = ratio_words)]
     ratios: Option<RatioWords>,
     /// Write to this file instead of the terminal.
     #[arg(long, value_name = "PATH")]
@@ -161,7 +160,9 @@ fn fitted(part: &Part, arguments: &Arguments) -> Result<Option<Fitted>> {
         FitOptions { tolerance_mm, corner_deg: arguments.corner, every_point: arguments.every_point };
     match fit_curves(part, &options) {
         Ok(fitted) => Ok(Some(fitted)),
-        Err(error) => Err(error).with_context(|| format!("--fit {tolerance_mm}: nothing is written")),
+        Err(error) => {
+            Err(error).with_context(|| format!("{}: --fit {tolerance_mm}: nothing is written", part.name))
+        }
     }
 }
 

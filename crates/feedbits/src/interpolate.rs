@@ -50,7 +50,6 @@ pub(crate) struct Arguments {
     /// Share of acceleration and jerk that the plan leaves for changes of the override, in per cent.
     #[arg(
         long,
-        allow_negative_numbers = true,
         value_name = "PERCENT",
         default_value_t = 20.0,
         requires = "overrides",

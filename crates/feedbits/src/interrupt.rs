@@ -31,10 +31,11 @@ pub(crate) fn is_set() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
 }
 
-/// The result of `work`, which may plan, and a plan looks at no flag. If Ctrl-C is pressed meanwhile, has `end` print what
-/// is finished, and ends the program.
+/// The result of `work`, which may plan, and a plan looks at no flag. If Ctrl-C is pressed meanwhile and `work` does not end soon, has
+/// `end` print what is finished, and ends the program.
 pub(crate) fn unless_interrupted<T: Send>(work: impl FnOnce() -> T + Send, end: impl FnOnce()) -> T {
     const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
+    const LOOKS: usize = 8;
     let (done, wait) = mpsc::channel();
     let work = || {
         let result = work();
@@ -43,8 +44,10 @@ pub(crate) fn unless_interrupted<T: Send>(work: impl FnOnce() -> T + Send, end: 
     };
     thread::scope(|scope| {
         let working = scope.spawn(work);
+        let mut looks = 0;
         while wait.recv_timeout(BETWEEN_LOOKS) == Err(RecvTimeoutError::Timeout) {
-            if is_set() {
+            looks += usize::from(is_set());
+            if looks > LOOKS {
                 end();
                 let _nothing_is_made = unfinished::remove_all();
                 process::exit(STATUS.into());

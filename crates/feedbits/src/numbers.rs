@@ -1,6 +1,6 @@
 //! The numbers of the command line: each option takes its domain from the table of all keys.
 
-use clap::Command;
+use clap::{Arg, Command};
 use domains::{Key, shown};
 
 /// A parser of the number of an option, within its domain.
@@ -34,7 +34,8 @@ fn expected(key: &Key) -> String {
     format!("expected {}", key.expected())
 }
 
-/// The command line, with the domain of each number in its help.
+/// The command line, with the domain of each number in its help. A negative number behind an option is its value, and what refuses it
+/// names the option.
 pub(crate) fn with_domains(command: Command) -> Command {
     command.mut_subcommands(|subcommand| {
         let name = subcommand.get_name().to_owned();
@@ -51,8 +52,14 @@ pub(crate) fn with_domains(command: Command) -> Command {
                 Some((argument.get_id().clone(), format!("{} [{}]", argument.get_help()?, key.range())))
             })
             .collect();
+        let takes_value =
+            |argument: &Arg| argument.get_long().is_some() && argument.get_action().takes_values();
         ranges
             .into_iter()
             .fold(subcommand, |subcommand, (id, help)| subcommand.mut_arg(id, |argument| argument.help(help)))
+            .mut_args(|argument| {
+                let negative = takes_value(&argument);
+                argument.allow_negative_numbers(negative)
+            })
     })
 }

@@ -29,7 +29,6 @@ pub(crate) struct Arguments {
     /// Samples per interpolation period in the file that --out names.
     #[arg(
         long,
-        allow_negative_numbers = true,
         default_value_t = 1,
         requires = "out",
         conflicts_with = "json",

@@ -24,16 +24,16 @@ pub(crate) struct RunArguments {
     #[arg(long, value_enum)]
     solver: Option<SolverName>,
     /// Longest compiled piece, in mm.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 32.0, value_parser = number(&PIECE_LENGTH))]
+    #[arg(long, value_name = "MM", default_value_t = 32.0, value_parser = number(&PIECE_LENGTH))]
     piece_length: f64,
     #[command(flatten)]
     plan: PlanArguments,
     /// Fluctuation that is good enough, in place of the machine file's `fluctuation_limit`.
-    #[arg(long, allow_negative_numbers = true, value_name = "RATIO", value_parser = number(&FLUCTUATION))]
+    #[arg(long, value_name = "RATIO", value_parser = number(&FLUCTUATION))]
     fluctuation: Option<f64>,
     /// Fluctuation that the solver stops at. Default: the one that is good enough with de-boor and for `size`, else the
     /// format's resolution.
-    #[arg(long, allow_negative_numbers = true, value_name = "RATIO", value_parser = number(&SOLVER_TOLERANCE))]
+    #[arg(long, value_name = "RATIO", value_parser = number(&SOLVER_TOLERANCE))]
     solver_tolerance: Option<f64>,
 }
 
@@ -47,16 +47,15 @@ pub(crate) struct PlanArguments {
     #[arg(long, value_enum, default_value_t = ProfileName::Fastest)]
     profile: ProfileName,
     /// Feed at the start of the path, in mm/s.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0, value_parser = number(&START_FEED))]
+    #[arg(long, value_name = "MM_PER_S", default_value_t = 0.0, value_parser = number(&START_FEED))]
     start_feed: f64,
     /// Feed at the end of the path, in mm/s.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0, value_parser = number(&END_FEED))]
+    #[arg(long, value_name = "MM_PER_S", default_value_t = 0.0, value_parser = number(&END_FEED))]
     end_feed: f64,
     /// Look ahead no further than this, in mm, as a controller does that streams a long program: what a plan of so much of
     /// the path says becomes setpoints while the next is made. Plans from rest to rest.
     #[arg(
         long,
-        allow_negative_numbers = true,
         value_name = "MM",
         conflicts_with_all = ["start_feed", "end_feed"],
         value_parser = number(&WINDOW)

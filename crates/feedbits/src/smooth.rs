@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     input: Input,
     /// Largest distance between the smoothed path and the program's moves, both ways, in mm.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM", value_parser = number(&SMOOTH_TOLERANCE))]
+    #[arg(long, value_name = "MM", value_parser = number(&SMOOTH_TOLERANCE))]
     tolerance: f64,
     /// Outer corners, which turn the way that their outline turns: in a loop around the corner, or cut like the others. Those of less
     /// than 30° are cut in any case.
@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
     outer: Outer,
     /// Shape factor λ of the corners' splines, from -2 to 2; or `auto`: for each corner the λ with the greatest least
     /// radius, so that its slowest place is as fast as the tolerance allows.
-    #[arg(long, allow_negative_numbers = true, value_name = "LAMBDA", default_value = "1", value_parser = lambda)]
+    #[arg(long, value_name = "LAMBDA", default_value = "1", value_parser = lambda)]
     lambda: CornerLambda,
     /// Write the smoothed path: curves if the name ends in .toml, else a program of fine straight moves.
     #[arg(long, value_name = "PATH")]
@@ -70,10 +70,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let form = out.as_ref().and_then(Place::path).map(|path| Form::of(path, arguments.input.dialect()));
     let written = form.map(|form| form.text_of(&mut smoothed));
     progress.finish();
-    let kept = match (&out, written) {
-        (Some(out), Some(text)) => text.and_then(|text| output::write(out, &text)),
-        _ => Ok(()),
-    };
+    if let (Some(out), Some(text)) = (&out, written) {
+        output::write(out, &text?)?;
+    }
     let report = &smoothed.report;
     let text = if arguments.json {
         serde_json::to_string_pretty(report)? + "\n"
@@ -81,8 +80,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         print::text(report, arguments.wide)
     };
     output::write(&terminal, &text)?;
-    // The error comes last: the report is valid without the file.
-    kept?;
     Ok(if report.faults().is_empty() { Ending::Good } else { Ending::RequirementNotMet })
 }
 

@@ -51,7 +51,6 @@ pub(crate) struct Arguments {
     /// Points of each span that does not say.
     #[arg(
         long,
-        allow_negative_numbers = true,
         value_name = "N",
         default_value_t = 5,
         value_parser = whole::<u16>(&SWEEP_POINTS)
@@ -64,7 +63,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     targets: TargetArguments,
     /// The most periods of a run; a cell that needs more is left out, and says so.
-    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 100_000, value_parser = whole::<u32>(&MOST_PERIODS))]
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = whole::<u32>(&MOST_PERIODS))]
     most_periods: u32,
     /// Run only the cells of shard i of n, as in 1/4; the first is 1. `feedbits merge` joins the files.
     #[arg(long, value_name = "I/N", default_value = "1/1")]

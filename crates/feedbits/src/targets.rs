@@ -44,10 +44,10 @@ pub(crate) struct TargetArguments {
     #[arg(long, value_name = "FILE")]
     target_file: Vec<PathBuf>,
     /// Multipliers on an FPGA.
-    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = whole::<u32>(&MULTIPLIERS))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(&MULTIPLIERS))]
     multipliers: Option<u32>,
     /// Dividers on an FPGA.
-    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = whole::<u32>(&DIVIDERS))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(&DIVIDERS))]
     dividers: Option<u32>,
 }
 

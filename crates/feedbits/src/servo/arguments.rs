@@ -26,10 +26,10 @@ pub(crate) struct Arguments {
     #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(candidates::formats))]
     pub(super) formats: Vec<String>,
     /// Radius of the circle test, in mm.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 10.0, value_parser = number(&CIRCLE))]
+    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = number(&CIRCLE))]
     pub(super) circle: f64,
     /// Feedrate of the circle test, in mm/min, as an F word has it.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_MIN", default_value_t = 4000.0, value_parser = number(&CIRCLE_FEED))]
+    #[arg(long, value_name = "MM_PER_MIN", default_value_t = 4000.0, value_parser = number(&CIRCLE_FEED))]
     pub(super) feed: f64,
     /// Write the magnified roundness plot of the circle test to this SVG file.
     #[arg(long, value_name = "FILE.svg")]

@@ -397,6 +397,9 @@ fn bad_usage_is_explained() {
         (vec!["convert", "--to", "g06.2", "--tolerance", "0.1"], "expected --to g1"),
         (vec!["compare", "--multipliers", "4"], "--multipliers: no target is priced that has multipliers"),
         (vec!["compare", "--targets", "cortex-m3", "--dividers", "1"], "--dividers: no target is priced"),
+        (vec!["compare", "--dialect", "-0.0"], "invalid value '-0.0' for '--dialect"),
+        (vec!["size", "--formats", "-1"], "unexpected argument '--formats'"),
+        (vec!["compare", "--formats", "-1"], "unknown format \"-1\""),
         (vec!["plan", "--solver", "secant"], "unexpected argument '--solver'"),
         (vec!["plan", "--piece-length", "8"], "unexpected argument '--piece-length'"),
         (vec!["smooth", "--tolerance", "-1"], "'--tolerance <MM>': expected a number of 1e-9 to 100 mm"),
@@ -412,6 +415,23 @@ fn bad_usage_is_explained() {
         let message = unfolded(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(word), "{arguments:?}: {message}");
+    }
+}
+
+/// Over a millionth of its span this curve runs along two sides of its polygon. It was planned without these, 208 mm too short.
+#[test]
+fn a_length_that_the_planner_does_not_see_is_refused_at_its_curve() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let part = "[curve]\ndegree = 3\ncontrol_points_mm = [[150, 150], [0, 0], [0, 300], [150, 150], [300, 0], [300, 300], [150, 150]]\n\
+                weights = [1, 1e9, 1e-9, 1, 1e6, 1, 1]\nknots = [0, 0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1, 1]\n";
+    fs::write(folder.path().join("lost.toml"), part).expect("the folder is writable");
+    for command in ["plan", "compare", "interpolate", "size", "smooth --tolerance 0.01"] {
+        let words: Vec<&str> = command.split(' ').chain(["lost.toml", "--machine", "mill"]).collect();
+        let output = feedbits_in(folder.path(), &words);
+        let said = unfolded(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command}: {said}");
+        assert!(said.contains("lost.toml") && said.contains("span 0 of curve 0 runs much faster"), "{said}");
+        assert!(output.stdout.is_empty(), "{command}");
     }
 }
 
