@@ -13,10 +13,10 @@ import tempfile
 from pathlib import Path
 
 from .inputs import (
-    BARE, CURVE, DEVIATION, INERTIA, KEY_VALUES, MACHINE, NAMES, NEEDS, NEVER_TAKEN, NUMBERS, ONES, OPTION_VALUES, PART, QUICK, READ, SERVO, SLASHED,
+    BARE, CURVE, DEVIATION, FINE, INERTIA, KEY_VALUES, MACHINE, NAMES, NEEDS, NEVER_TAKEN, NUMBERS, ONES, OPTION_VALUES, PART, QUICK, READ, SERVO, SLASHED,
     TARGET, TOO_LONG, TRIGONOMETRIC, WRITTEN, commands, contents, filled, lines_of, samples, special, with_line, with_number, without,
 )  # fmt: skip
-from .watched_run import MARK, STATUSES, Case, is_being_written, words_of
+from .watched_run import LONG_WORD, MARK, STATUSES, Case, is_being_written, words_of
 
 REFUSED, ANY, DONE = frozenset({2}), frozenset(STATUSES), frozenset(STATUSES - {2})
 DRAWN_PAIRS, DRAWN_NUMBERS, DRAWN_VALUES = 200, 24, 3
@@ -75,14 +75,9 @@ def shown(value):
     return repr(text)[1:-1] if len(text) < 60 else f"{text[:12]}… of {len(text)} characters"
 
 
-# Slow or long paths of few bytes, whose plans take memory by their time and their limit points: bytes by a part of the title.
-LARGE = {"of offsets.canon": 128e6, "velocity_mm_per_s times 0.001": 300e6, "lambda times 1000": 300e6}
-
-
 def case(kind, title, command, files=BARE, **more):
     words, outputs = command
-    memory = max((most for part, most in LARGE.items() if part in title), default=0.0)
-    return Case(kind, title, words, dict(files), outputs, memory_at_first=memory, **more)
+    return Case(kind, title, words, dict(files), outputs, **more)
 
 
 def key_files():
@@ -103,8 +98,8 @@ def key_files():
 
 
 def quoted(value):
-    """A value as refusals quote what was written: it is a place too."""
-    return [quote + shown(value) for quote in "\"'`"]
+    """A value as refusals quote what was written, the begin of a long one: it is a place too."""
+    return [quote + (value[:40] if isinstance(value, str) and len(value) > LONG_WORD else shown(value)) for quote in "\"'`"]
 
 
 def beside(statuses, *places):
@@ -199,10 +194,6 @@ def numbers_of(text):
     return list(re.finditer(rb"(?<![A-Za-z_\d.])-?\d+\.?\d*(?:e-?\d+)?|(?<=[A-Z=#])-?\d+\.?\d*", text))
 
 
-# At a feed of some mm/s some bytes make many periods: smoothing these takes longer than 20 s.
-SLOW = {("smooth", "offsets.canon")}
-
-
 def number_cases(draw):
     """A hostile number in place of one in a part."""
     numbers = [*NUMBERS, "nan", "inf", "9" * 10**5, f"0.{'0' * 10**5}1", "1e-400", "-7"]
@@ -211,8 +202,6 @@ def number_cases(draw):
         for _ in range(DRAWN_NUMBERS):
             found, number = draw.choice(numbers_of(text)), draw.choice(numbers)
             line = draw.choice(["check", "check --json", "plan", "compare", "convert --to g06.2", "convert --to toml", "smooth", "compile"])
-            if (line, name) in SLOW:
-                continue
             changed = with_number(text, found, number)
             title = f"{line}: {shown(number)} for byte {found.start()} of {name}"
             yield case("numbers of a part", title, commands(name)[line], {**BARE, name: changed}, named=(name,))
@@ -320,7 +309,7 @@ def name_cases(program):
         if line in ("merge", "papers"):
             continue
         put = [name if word == "PART" else word for word in words]
-        yield case("names", f"{line} of a part: {what}", (put, outputs), {**BARE, name: PART}, named=(MARK, "--fit"))
+        yield case("names", f"{line} of a part: {what}", (put, outputs), {**BARE, name: PART}, named=(MARK,))
     for (what, name), (option, words, valid, outputs) in itertools.product(NAMES.items(), readers(program)):
         outputs = tuple(name if output == "FILE" else output for output in outputs)
         yield case("names", f"{words[0]}, {option}: {what}", ([*words, name], outputs), {**BARE, name: valid}, named=(MARK,))
@@ -383,8 +372,10 @@ def output_cases(program):
     for command in program.commands:
         for option in outputs_of(program, command):
             words, outputs = line_for(command, option)
+            # A file has no folder's name.
+            files = {name: text for name, text in everything.items() if name != "out" or "--report" not in words}
             make = lambda title, place, more=(), kind="outputs", **also: case(
-                kind, f"{command} {option}: {title}", ([*words, *more, option, place], tuple(also.pop("outputs", outputs))), everything, **also
+                kind, f"{command} {option}: {title}", ([*words, *more, option, place], tuple(also.pop("outputs", outputs))), files, **also
             )
             for name, before in inputs.items():
                 if not set(before) <= set(program.options(command)) or (not before and name not in words):
@@ -399,7 +390,7 @@ def output_cases(program):
                 made = [*outputs, place, "missing"] if fine else outputs
                 if fine and title == "this folder":
                     continue
-                yield make(title, place, setup=setup, outputs=made, statuses=ANY if fine else REFUSED, named=(place or option, option, "folder out"))
+                yield make(title, place, setup=setup, outputs=made, statuses=ANY if fine else REFUSED, named=(place or option, option))
             others = [other for other in outputs_of(program, command) if other != option]
             for other in others:
                 title, more = f"the same as {other}", [other, "both"]
@@ -412,7 +403,8 @@ def output_cases(program):
         resumed = outputs[:1] if words[0] in ("sweep", "merge") else ()
         for limit in (0, 1, 100, 512, 4096, 20_000) if outputs else ():
             title = f"{line}: {limit} bytes"
-            yield case("full disk", title, (words, outputs), {**BARE, **program.results, **old}, file_limit=limit, resumed=resumed, named=("out", "--fit"))
+            files = {**BARE, **program.results, **old, **({"part.nc": FINE} if line == "convert --fit" else {})}
+            yield case("full disk", title, (words, outputs), files, file_limit=limit, resumed=resumed, named=("out",))
     for line in ("compare --report", "interpolate --vectors", "sweep --report", "merge"):
         for name in program.files_of(line):
             if not name.startswith("out/"):
@@ -476,6 +468,7 @@ def long_lines():
     many = lambda moves: {**machine, "part.nc": long_part(moves)}
     return {
         "compare": (of["compare"], slow),
+        "compare --plan-in": (([*of["compare"][0], "--plan-in", "same"], ()), many(400_000)),
         "compare --report": (of["compare --report"], slow),
         "interpolate": (of["interpolate"], straight),
         "interpolate --json": (of["interpolate --json"], straight),

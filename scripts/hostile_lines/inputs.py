@@ -1,6 +1,7 @@
 """The command lines, files, numbers and names of which scripts/hostile makes its cases."""
 
 import functools
+import math
 import os
 import re
 import stat
@@ -8,6 +9,10 @@ import stat
 from .watched_run import MARK, ROOT
 
 PART = b"G21 G90\nG0 X0 Y0\nG1 X3 F900\nG2 X5 Y2 J2\nG1 Y4\nM2\n"
+# A quarter of a circle in moves of one degree.
+FINE = b"G21 G90\nG0 X10 Y0\nF900\n" + b"".join(
+    b"G1 X%.5f Y%.5f\n" % (10 * math.cos(math.radians(degrees)), 10 * math.sin(math.radians(degrees))) for degrees in range(1, 91)
+)
 MACHINE = """[machine]
 interpolation_period_ms = 1
 feedrate_mm_per_s = 20

@@ -32,6 +32,7 @@ MOST_ON_THE_CLOCK = 60
 MOST_BEFORE_SIGNAL = 10.0  # that something else waits for
 MOST_AFTER_SIGNAL = 1.0
 MOST_MESSAGE = 2000  # bytes
+LONG_WORD = 60  # characters, of which a message may show the begin alone
 # Memory: what a command may take at first, and more for each byte of its input.
 MEMORY_AT_FIRST, MEMORY_OF_CHECK, MEMORY_OF_OTHERS = 64e6, 12, 60
 UNFINISHED = re.compile(rb"(^|/)\.feedbits-\w{6}\.part$")
@@ -55,7 +56,6 @@ class Case:
     setup: Callable | None = None  # is given the folder, before anything is looked at
     feeder: str | None = None  # a line of sh that runs beside the command
     read_bytes: int = 0  # that come from no file of the folder
-    memory_at_first: float = 0.0  # bytes that it may take beside those for its input, if they are more than for others
     stdin: str = os.devnull
     stdout: str = "kept"  # or closed, gone, or a file
     stderr: str = "kept"
@@ -219,10 +219,11 @@ def words_of(text):
 
 
 def is_named(name, said):
-    """Whether a refusal has a word, or its begin: long words are cut, of a list one item is refused, and `-0.0` is taken for `-0`."""
+    """Whether a refusal has a word: the whole of it, the begin of one that is longer than a message, or an item of a list."""
     word = words_of(os.fsencode(name))
-    begin = re.split(r"[,…]", word)[0][:40]
-    return word in said or (begin != word and begin in said) or (re.match(r"[\"'`]-\d", word) and word[:3] in said)
+    begin = word[:40] if len(word) > LONG_WORD else word
+    items = [item for item in re.split(r"[,…]", word.strip("\"'`")) if item]
+    return begin in said or (len(items) > 1 and any(quote + item + quote in said for item in items for quote in "\"'`"))
 
 
 def place_missing(case, said):
@@ -239,8 +240,7 @@ def is_list_of_errors(case):
 
 def refusal_faults(case, out, err):
     said = words_of(err)
-    # `smooth` prints its report also where the program cannot be written.
-    if out and case.words[:1] != ["smooth"] and not (is_list_of_errors(case) and fails(json.loads, out) is None):
+    if out and not (is_list_of_errors(case) and fails(json.loads, out) is None):
         yield f"{len(out)} bytes on the standard output before a refusal: {out[:80]!r}"
     if case.stderr == "kept" and not said:
         yield "refused without a word"
@@ -415,7 +415,7 @@ def run(case, binary, folder, slow):
     if seconds > MOST_SECONDS * slow or status == -signal.SIGXCPU:
         faults.append(f"{seconds:.1f} s of the processor")
     more = MEMORY_OF_CHECK if case.words[:1] == ["check"] else MEMORY_OF_OTHERS
-    if memory > (most := max(MEMORY_AT_FIRST, case.memory_at_first) + size * more):
+    if memory > (most := MEMORY_AT_FIRST + size * more):
         faults.append(f"{memory / 1e6:.0f} MB of memory, {most / 1e6:.0f} allowed")
     faults += folder_faults(case, status, before, work, scratch)
     if case.afterwards and not faults:
