@@ -59,7 +59,7 @@ impl<R: Real> FeedLimit<R> {
     /// [`PlanError::NotPositive`] for limits that [`validate`](KinematicLimits::validate) refuses,
     /// [`PlanError::PathEmpty`] without curves or length, [`PlanError::LengthOverflows`] when the format
     /// cannot hold lengths or derivatives, [`PlanError::SpanTooUneven`] where the finest step, 2⁻²⁰ of a span, takes the length
-    /// of the path wrongly by more than an eighth of the chord error.
+    /// of the path wrongly by more than the distance of a period at full feed.
     pub fn along<const D: usize, C: Differentiate<R, D>>(
         curves: &[C],
         limits: &KinematicLimits<R>,

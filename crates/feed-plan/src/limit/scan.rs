@@ -83,8 +83,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         from_rest: bool,
     ) -> Result<(), PlanError> {
         let span = Span { shape, index, sampling: &self.sampling };
-        let stations = span.stations();
-        if !span.is_resolved(&stations) {
+        let mut stations = span.stations();
+        if !span.correct_lengths(&mut stations) {
             return Err(PlanError::SpanTooUneven { curve, span: index });
         }
         self.join(curve, shape, index, &stations, from_rest);

@@ -30,7 +30,7 @@ const GOLDEN_STEPS: usize = 24;
 const STOP: i32 = -12;
 /// C' vanishes where it is below 2⁻⁶ of its value at the ends of the finest stretch.
 const CUSP: i32 = -6;
-/// The walk has not seen a stretch if it takes its length wrongly by more than 2⁻³ of the chord error.
+/// A length is corrected if it is wrong by more than 2⁻³ of the chord error.
 const UNSEEN: i32 = -3;
 /// Unit tangents that differ by less than 2⁴ units of the format's resolution may differ by rounding only.
 const ROUNDING: i32 = 4;
@@ -144,23 +144,29 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         stations
     }
 
-    /// Whether the walk has seen how the path runs between these samples. A stretch that is as short as the walk takes them
-    /// and still not fine may hold a part of the path that none of its samples lies on: its length is then another
-    /// than that found by halving the stretch as often as it takes.
-    pub(crate) fn is_resolved(&self, stations: &[Station<R, D>]) -> bool {
-        let chord_error = self.sampling.limits.chord_error;
-        let is_line = self.shape.is_line(self.index);
-        is_line
-            || stations.windows(2).all(|pair| {
-                let [from, to] = [pair[0].at.u, pair[1].at.u];
-                pair[1].stretch.as_ref().is_none_or(|stretch| {
-                    stretch.is_fine || {
-                        let halved = arc_length(self.shape, from, to, chord_error.ldexp(UNSEEN - 3)).length;
-                        let rounding = (halved * R::resolution()).ldexp(ROUNDING);
-                        (stretch.length - halved).abs() <= chord_error.ldexp(UNSEEN).max(rounding)
-                    }
-                })
-            })
+    /// Gives stretches that are as short as the walk takes them, and still not fine, the length that is found by halving them as often
+    /// as it takes. They may hold a part of the path that no sample lies on. Whether that is less than the distance of a period at full
+    /// feed: if not, the walk has not seen how the path runs.
+    pub(crate) fn correct_lengths(&self, stations: &mut [Station<R, D>]) -> bool {
+        if self.shape.is_line(self.index) {
+            return true;
+        }
+        let most = self.sampling.limits.chord_error.ldexp(UNSEEN);
+        let (mut from, mut is_seen) = (R::zero(), true);
+        for station in stations {
+            let to = station.at.u;
+            if let Some(stretch) = station.stretch.as_mut().filter(|stretch| !stretch.is_fine) {
+                let halved = arc_length(self.shape, from, to, most.ldexp(-3)).length;
+                let off = (stretch.length - halved).abs();
+                let rounding = (halved * R::resolution()).ldexp(ROUNDING);
+                if off > most.max(rounding) {
+                    stretch.length = halved;
+                    is_seen &= off <= self.sampling.longest;
+                }
+            }
+            from = to;
+        }
+        is_seen
     }
 
     fn along_curve(&self) -> Vec<Station<R, D>> {
