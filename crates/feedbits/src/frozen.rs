@@ -36,7 +36,15 @@ const LIMIT: f64 = 1e-5;
 fn requirement(what: &'static str, [found, limit]: [f64; 2], broken: &str) -> Requirement {
     let point_mm = [25.0, 5.0, 0.0];
     let at = PeriodEnd { line: Some(4), period: 640, time_s: 0.64, point_mm };
-    Requirement { what, found, limit, unit: "ratio", at: Some(at), broken: broken.to_owned() }
+    Requirement {
+        what,
+        found,
+        limit,
+        unit: "ratio",
+        at: Some(at),
+        seen_within_mm: None,
+        broken: broken.to_owned(),
+    }
 }
 
 /// A run on pieces with this largest fluctuation at cruise, and what a verdict says against it.

@@ -85,6 +85,7 @@ mod cost {
 }
 
 mod judge {
+    pub(crate) mod axis_limits;
     mod exact_curve;
     pub(crate) mod judged_run;
     pub(crate) mod judgement;
@@ -95,6 +96,7 @@ mod judge {
     pub(crate) mod setpoints;
     pub(crate) mod tally;
     pub(crate) mod trace;
+    pub(crate) mod worst;
 }
 
 mod size {

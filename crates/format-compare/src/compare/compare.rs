@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use part_program::Machine;
 use serde::Serialize;
 
+use crate::judge::axis_limits::bounds_of;
 use crate::judge::judged_run::JudgedRun;
 use crate::judge::judgement::Judge;
 use crate::judge::not_of_format::NotOfFormat;
@@ -154,6 +155,8 @@ where
     let judge = Judge {
         reference: &reference,
         full_step_mm: problem.full_step_mm(),
+        axes: bounds_of(problem),
+        starts_at_rest: options.starts_at_rest(),
         traced: watch.traces.then(|| Coarseness::of(planned, reference.length_mm())),
         progress: &|periods| (watch.progress)(done.fetch_add(periods, Ordering::Relaxed) + periods, all),
     };

@@ -80,6 +80,7 @@ fn demand_that_it_fits(run: &mut JudgedRun, targets: &[Target]) {
         limit: 1.0,
         unit: "ratio",
         at: None,
+        seen_within_mm: None,
         broken: format!("a period takes {microseconds:.0} µs, {share:.1} times the interpolation period"),
     });
     run.verdict = Verdict::of(&run.requirements);

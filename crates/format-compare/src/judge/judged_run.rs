@@ -7,6 +7,7 @@ use real::FormatName;
 use serde::Serialize;
 
 use crate::cost::period_cost::Cost;
+use crate::judge::axis_limits::{bounds_of, hidden_at_corners_mm, seen_within_mm};
 use crate::judge::judgement::{Judge, Judgement};
 use crate::judge::metrics::{Fluctuation, PerPeriod};
 use crate::judge::reference::Reference;
@@ -14,7 +15,7 @@ use crate::judge::requirement::{Findings, Requirement, requirements};
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::observer::Observer;
-use crate::run::options::Engine;
+use crate::run::options::{Engine, Options};
 use crate::run::run::AboutRun;
 
 /// The run in one format by one engine, with its verdict and its figures. A refused run has no figures.
@@ -94,10 +95,17 @@ impl JudgedRun {
         name: (FormatName, Engine),
         problem: &Problem<D>,
         reference: &Reference<'_, D>,
+        options: &Options,
         run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
     ) -> Result<Self, Refusal> {
-        let judge =
-            Judge { reference, full_step_mm: problem.full_step_mm(), traced: None, progress: &|_| () };
+        let judge = Judge {
+            reference,
+            full_step_mm: problem.full_step_mm(),
+            axes: bounds_of(problem),
+            starts_at_rest: options.starts_at_rest(),
+            traced: None,
+            progress: &|_| (),
+        };
         let (run, judgement) = judge.judge(run)?;
         Ok(Self::of(name, problem, &run, &judgement))
     }
@@ -119,6 +127,8 @@ impl JudgedRun {
             corner_error_mm: tally.corner_error_mm,
             position_error_mm: tally.position_error_mm,
             end_error_mm: judged.end_error_mm,
+            seen_within_mm: seen_within_mm(run, problem),
+            axes: tally.axes.findings(seen_within_mm(run, problem), hidden_at_corners_mm(&problem.machine)),
             periods: tally.steps,
             last: tally.last,
         };

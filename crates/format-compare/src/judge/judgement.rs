@@ -1,5 +1,6 @@
 //! The judge at work while a run is made.
 
+use crate::judge::axis_limits::AxisBounds;
 use crate::judge::metrics::JudgedStep;
 use crate::judge::reference::{Reached, Reference};
 use crate::judge::tally::Tally;
@@ -22,6 +23,10 @@ pub(crate) struct Judgement<const D: usize> {
 pub(crate) struct Judge<'a, const D: usize> {
     pub(crate) reference: &'a Reference<'a, D>,
     pub(crate) full_step_mm: f64,
+    /// What the axes may take.
+    pub(crate) axes: [AxisBounds; 3],
+    /// Whether the run begins at rest.
+    pub(crate) starts_at_rest: bool,
     /// How coarse the trace is; `None` if none is wanted.
     pub(crate) traced: Option<Coarseness>,
     /// Called with the periods that have been judged since the call before.
@@ -42,8 +47,7 @@ impl<const D: usize> Judge<'_, D> {
         &self,
         run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
     ) -> Result<(AboutRun, Judgement<D>), Refusal> {
-        let start =
-            (Tally::new(self.full_step_mm), self.reference.start(), self.traced.map(TraceRecorder::new));
+        let start = (self.tally(), self.reference.start(), self.traced.map(TraceRecorder::new));
         let observer =
             Collected::new(start, |steps| self.stretch(steps), |sum, stretch| self.add(sum, stretch))
                 .with_signals(self.traced.is_some());
@@ -54,17 +58,26 @@ impl<const D: usize> Judge<'_, D> {
         Ok((run, Judgement { tally, end_error_mm, trace }))
     }
 
+    fn tally(&self) -> Tally {
+        Tally::new(self.full_step_mm, self.axes)
+    }
+
     /// Judges the steps of a stretch, all but the first.
     fn stretch(&self, steps: &mut dyn Iterator<Item = RunStep>) -> JudgedStretch<D> {
-        let others = Tally::new(self.full_step_mm);
-        let mut judged =
-            JudgedStretch { first: None, others, end: None, trace: self.traced.map(TraceRecorder::new) };
+        let mut judged = JudgedStretch {
+            first: None,
+            others: self.tally(),
+            end: None,
+            trace: self.traced.map(TraceRecorder::new),
+        };
         judged.first = steps.next();
         let Some(first) = &judged.first else { return judged };
         let mut at = self.reference.reached_by(first);
+        judged.others.begin_part(first);
         for step in steps {
+            let from = self.reference.start_of(&at, &step);
             let figures = self.reference.judge_next(&mut at, &step);
-            judged.add(&step, &figures);
+            judged.add(from, &step, &figures);
         }
         judged.end = Some(at);
         (self.progress)(judged.others.steps + 1);
@@ -77,9 +90,9 @@ impl<const D: usize> Judge<'_, D> {
         stretch: JudgedStretch<D>,
     ) {
         let JudgedStretch { first: Some(first), others, end, trace: of_others } = stretch else { return };
+        let standing = (tally.steps > 0 || self.starts_at_rest).then(|| self.reference.start_of(at, &first));
         let judged = self.reference.judge_next(at, &first);
-        tally.add(&first, &judged);
-        tally.join(others);
+        tally.join(standing, (&first, &judged), others);
         *at = end.unwrap_or(*at);
         if let Some((trace, of_others)) = trace.as_mut().zip(of_others) {
             trace.add(&first, &judged);
@@ -89,8 +102,8 @@ impl<const D: usize> Judge<'_, D> {
 }
 
 impl<const D: usize> JudgedStretch<D> {
-    fn add(&mut self, step: &RunStep, judged: &JudgedStep) {
-        self.others.add(step, judged);
+    fn add(&mut self, from_mm: [f64; 3], step: &RunStep, judged: &JudgedStep) {
+        self.others.add_from(from_mm, step, judged);
         if let Some(trace) = &mut self.trace {
             trace.add(step, judged);
         }

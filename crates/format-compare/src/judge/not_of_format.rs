@@ -143,7 +143,7 @@ where
         return None;
     }
     let run = |observer: &dyn Observer| format.run_before(problem, &plan, options, observer);
-    JudgedRun::of_run((f64::name(), options.engine), problem, reference, run).ok()
+    JudgedRun::of_run((f64::name(), options.engine), problem, reference, options, run).ok()
 }
 
 /// Whether a requirement concerns the path, and its figure is more than the digits of `run` can cause: rounding of its

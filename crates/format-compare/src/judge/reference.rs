@@ -122,6 +122,14 @@ impl<'a, const D: usize> Reference<'a, D> {
         judged
     }
 
+    /// The point at which a step begins, behind the place before it.
+    pub(crate) fn start_of(&self, from: &Reached<D>, step: &RunStep) -> [f64; 3] {
+        let standing = self.next_section(from.at, step).map(|begin| self.standing(begin));
+        let mut point = [0.0; 3];
+        point.iter_mut().zip(standing.unwrap_or(*from).commanded).for_each(|(x, own)| *x = own.value());
+        point
+    }
+
     /// The end of a step.
     pub(crate) fn reached_by(&self, step: &RunStep) -> Reached<D> {
         let at = (step.curve, step.u);

@@ -2,13 +2,17 @@
 
 use serde::Serialize;
 
-use crate::judge::tally::{StepPlace, Worst};
+use crate::judge::axis_limits::AxisFinding;
+use crate::judge::worst::{StepPlace, Worst};
 use crate::problem::problem::Problem;
 use crate::run::run::AboutRun;
 
 /// The chord-error limit takes the curve of a step as a circle of the radius at one point; where the radius changes
 /// within the step the true distance differs by a few parts in a thousand.
 const CHORD_ERROR_SLACK: f64 = 5e-3;
+
+/// Plans keep the limits of axes up to their last digits.
+const AXIS_SLACK: f64 = 1e-6;
 
 /// One requirement of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,6 +28,9 @@ pub struct Requirement {
     /// The period in which the figure was found, for figures that belong to one period.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<PeriodEnd>,
+    /// How far a motion may be from the setpoints, in mm, for a limit that is kept by such a motion and not by the setpoints themselves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seen_within_mm: Option<f64>,
     /// The message for a requirement that is not kept.
     #[serde(skip)]
     pub broken: String,
@@ -78,6 +85,9 @@ pub(crate) struct Findings {
     pub(crate) corner_error_mm: Worst,
     pub(crate) position_error_mm: Worst,
     pub(crate) end_error_mm: f64,
+    /// How far a motion may be from the setpoints, and what the axes take.
+    pub(crate) seen_within_mm: f64,
+    pub(crate) axes: Vec<AxisFinding>,
     /// Number of steps, and the place of the last.
     pub(crate) periods: u64,
     pub(crate) last: Option<StepPlace>,
@@ -95,7 +105,7 @@ pub(crate) fn requirements<const D: usize>(
         // A part with a single move needs no line.
         let line = at.and_then(|at| at.line).filter(|_| problem.curves.len() > 1);
         let broken = line.map_or_else(|| broken.clone(), |line| format!("{broken} in line {line}"));
-        Requirement { what, found, limit, unit, at, broken }
+        Requirement { what, found, limit, unit, at, seen_within_mm: None, broken }
     };
     let Findings { saturations, end_error_mm, .. } = *found;
     let last = found.last;
@@ -163,6 +173,13 @@ pub(crate) fn requirements<const D: usize>(
         ),
     ];
     all.extend(filament);
+    all.extend(found.axes.iter().map(|finding| {
+        let AxisFinding { taken, periods, is_hidden, .. } = finding;
+        let over = if *periods == 1 { "a period".to_string() } else { format!("{periods} periods") };
+        let broken = format!("{} {:.3} times its limit, seen over {over}", finding.what(), taken.figure);
+        let row = one(finding.what(), (taken.figure, 1.0 + AXIS_SLACK, "ratio"), taken.at, broken);
+        Requirement { seen_within_mm: is_hidden.then_some(found.seen_within_mm), ..row }
+    }));
     all
 }
 

@@ -1,40 +1,9 @@
 //! The figures of a run, added up while it is made: the memory does not grow with the time that the run takes.
 
+use crate::judge::axis_limits::{AxisBounds, AxisLimits, Setpoint};
 use crate::judge::metrics::{ChordTally, CountTally, Fluctuation, FluctuationTally, JudgedStep};
-use crate::run::at_cruise::is_less;
+use crate::judge::worst::{StepPlace, Worst};
 use crate::run::run::RunStep;
-
-/// A step of a run, by which a figure is found again.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct StepPlace {
-    /// Number of the step, from 0.
-    pub(crate) index: u64,
-    pub(crate) curve: usize,
-    /// The commanded point, in mm.
-    pub(crate) point_mm: [f64; 3],
-}
-
-impl StepPlace {
-    fn later(self, by: u64) -> Self {
-        Self { index: self.index + by, ..self }
-    }
-}
-
-/// The greatest figure of a run, and the first step that has it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Worst {
-    pub(crate) figure: f64,
-    pub(crate) at: Option<StepPlace>,
-}
-
-impl Worst {
-    /// Adds the figure of a later step. NaN counts as greater than any number.
-    fn add(&mut self, figure: f64, at: StepPlace) {
-        if self.at.is_none() || is_less(self.figure, figure) {
-            *self = Self { figure, at: Some(at) };
-        }
-    }
-}
 
 /// The figures of a run, or of a part of one.
 #[derive(Clone, Debug)]
@@ -46,13 +15,14 @@ pub(crate) struct Tally {
     pub(crate) chord_error_mm: Worst,
     pub(crate) corner_error_mm: Worst,
     pub(crate) position_error_mm: Worst,
+    pub(crate) axes: AxisLimits,
     /// The last step, and whether it ends at rest.
     pub(crate) last: Option<StepPlace>,
     ends_at_rest: bool,
 }
 
 impl Tally {
-    pub(crate) fn new(full_step_mm: f64) -> Self {
+    pub(crate) fn new(full_step_mm: f64, axes: [AxisBounds; 3]) -> Self {
         Self {
             steps: 0,
             fluctuation: FluctuationTally::new(full_step_mm),
@@ -61,13 +31,28 @@ impl Tally {
             chord_error_mm: Worst::default(),
             corner_error_mm: Worst::default(),
             position_error_mm: Worst::default(),
+            axes: AxisLimits::new(axes),
             last: None,
             ends_at_rest: false,
         }
     }
 
-    /// Adds the next step.
-    pub(crate) fn add(&mut self, step: &RunStep, judged: &JudgedStep) {
+    /// Begins a part of a run, whose first step is judged when the part is joined to those before.
+    pub(crate) fn begin_part(&mut self, first: &RunStep) {
+        let at = StepPlace { index: 0, curve: first.curve, point_mm: first.point_mm };
+        // Until it is judged, it is taken for one that passes a corner.
+        let ends_at_rest = first.feed_mm_per_s == 0.0;
+        self.axes.begin_part(Setpoint { at, passes_corner: true, ends_at_rest });
+    }
+
+    /// Adds the next step, which begins at a place.
+    pub(crate) fn add_from(&mut self, from_mm: [f64; 3], step: &RunStep, judged: &JudgedStep) {
+        let setpoint = self.add(step, judged);
+        self.axes.add(from_mm, setpoint);
+    }
+
+    /// Adds the next step, but for what the axes take in it.
+    fn add(&mut self, step: &RunStep, judged: &JudgedStep) -> Setpoint {
         let place = StepPlace { index: self.steps, curve: step.curve, point_mm: step.point_mm };
         self.steps += 1;
         self.fluctuation.add(judged, place);
@@ -77,11 +62,19 @@ impl Tally {
             if judged.passes_corner { &mut self.corner_error_mm } else { &mut self.chord_error_mm };
         path_error.add(judged.chord_error_mm, place);
         self.position_error_mm.add(judged.position_error_mm, place);
-        (self.last, self.ends_at_rest) = (Some(place), step.feed_mm_per_s == 0.0);
+        let ends_at_rest = step.feed_mm_per_s == 0.0;
+        (self.last, self.ends_at_rest) = (Some(place), ends_at_rest);
+        Setpoint { at: place, passes_corner: judged.passes_corner, ends_at_rest }
     }
 
-    /// Adds the part of the run that follows.
-    pub(crate) fn join(&mut self, other: Self) {
+    /// Adds the part of the run that follows, with its first step, which begins at rest at `standing_mm`, if that is known.
+    pub(crate) fn join(
+        &mut self,
+        standing_mm: Option<[f64; 3]>,
+        (first, judged): (&RunStep, &JudgedStep),
+        other: Self,
+    ) {
+        let first = self.add(first, judged);
         let before = self.steps;
         self.steps += other.steps;
         self.fluctuation.join(other.fluctuation, |place| place.later(before));
@@ -96,6 +89,7 @@ impl Tally {
                 own.add(other.figure, at.later(before));
             }
         }
+        self.axes.join(standing_mm, first, other.axes, |place| place.later(before));
         if let Some(last) = other.last {
             (self.last, self.ends_at_rest) = (Some(last.later(before)), other.ends_at_rest);
         }
@@ -150,8 +144,8 @@ mod tests {
     #[test]
     fn the_jerk_of_a_run_has_its_last_step_in_it() {
         let jerk = |chords: &[f64], last_feed: f64, period_s: f64| {
-            let mut tally = Tally::new(1.0);
-            chords.iter().for_each(|chord| tally.add(&step(last_feed), &judged(*chord)));
+            let mut tally = Tally::new(1.0, [[None; 3]; 3]);
+            chords.iter().for_each(|chord| tally.add_from([0.0; 3], &step(last_feed), &judged(*chord)));
             tally.jerk_max_mm_per_s3(period_s)
         };
         // The accelerations are 0, -1, -2, 1, and behind the end -2, 0.
@@ -160,24 +154,5 @@ mod tests {
         assert_eq!(jerk(&chords[..4], 0.0, 1.0), 1.0);
         assert_eq!(jerk(&chords, 0.0, 0.5), 8.0 * 3.0);
         assert_eq!((jerk(&chords[..1], 0.0, 1.0), jerk(&[], 1.0, 1.0)), (4.0, 0.0));
-    }
-
-    #[test]
-    fn the_worst_step_is_found_whatever_its_figure() {
-        let worst = |figures: &[f64]| {
-            let mut found = Worst::default();
-            for (index, figure) in (0..).zip(figures) {
-                found.add(*figure, StepPlace { index, curve: 0, point_mm: [0.0; 3] });
-            }
-            (found.figure, found.at.map(|at| at.index))
-        };
-        assert_eq!([worst(&[1.0, 3.0, 2.0]), worst(&[1.0, 3.0, 3.0])], [(3.0, Some(1)); 2]);
-        assert_eq!((worst(&[0.0, 0.0]), worst(&[])), ((0.0, Some(0)), (0.0, None)));
-        for at in 0..3 {
-            let mut figures = [1.0; 3];
-            figures[at] = f64::NAN;
-            let (figure, step) = worst(&figures);
-            assert!(figure.is_nan() && step == u64::try_from(at).ok(), "{at}");
-        }
     }
 }

@@ -73,6 +73,11 @@ pub struct Options {
 }
 
 impl Options {
+    /// Whether a run begins at rest; a plan through a window always does.
+    pub(crate) fn starts_at_rest(&self) -> bool {
+        self.window_mm.is_some() || self.end_feeds_mm_per_s[0] == 0.0
+    }
+
     /// Whether runs are to end.
     pub(crate) fn is_interrupted(&self) -> bool {
         self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed))

@@ -54,7 +54,7 @@ where
         format: FormatName,
         run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
     ) -> Result<JudgedRun, Refusal> {
-        JudgedRun::of_run((format, Engine::Pieces), self.job.problem, &self.reference, run)
+        JudgedRun::of_run((format, Engine::Pieces), self.job.problem, &self.reference, self.job.options, run)
     }
 
     /// The run at this width with the fewest integer bits for which the path compiles, tried from `fewest` on.

@@ -1,7 +1,7 @@
 //! Runs that stay with their plans.
 
 use crate::examples::{example_machine, judged, on_example_machine};
-use format_compare::Problem;
+use format_compare::{Engine, Options, Problem, ProfileKind, compare, select};
 use part_program::{read_machine, read_part};
 
 /// Limits of both axes like those of the path.
@@ -17,6 +17,38 @@ fn under_limits_of_axes_a_run_keeps_the_chord_error_in_tight_bends() {
     for run in judged(&problem, &["f64", "I8F24"]) {
         assert!(run.verdict.is_good(), "{}: {}", run.format, run.verdict);
     }
+}
+
+/// Without look-ahead a run has no limit of the jerk: along X it speeds up by A from one period to the next. From rest the third
+/// difference of its places is A T²/2 or more, A/(2 J T) = 25/12 of the limit.
+#[test]
+fn a_run_that_breaks_the_jerk_of_an_axis_is_not_good() {
+    let problem = on_example_machine::<2>("G0 X0 Y0\nG1 X60 F12000\n", AXES);
+    for (profile, is_good) in [(ProfileKind::WithoutLookAhead, false), (ProfileKind::Fastest, true)] {
+        let options = Options { profile, ..Options::default() };
+        let formats = select(&["f64", "I8F24"]).unwrap();
+        for run in compare(&problem, &formats, &[Engine::Pieces], &options).unwrap().formats {
+            assert_eq!(run.verdict.is_good(), is_good, "{}: {}", run.format, run.verdict);
+            let of = |what| run.requirements.iter().find(|one| one.what == what).unwrap();
+            assert_eq!((of("jerk of X").holds(), of("acceleration of X").holds()), (is_good, true));
+            assert!(
+                of("velocity of X").found <= 1.0 && of("jerk of Y").found == 0.0,
+                "{:?}",
+                run.requirements
+            );
+            if !is_good {
+                let jerk = of("jerk of X");
+                assert!(jerk.found > 25.0 / 12.0 - 1e-3, "{jerk:?}");
+                assert!(
+                    jerk.at.is_some_and(|at| at.line == Some(2))
+                        && run.verdict.to_string().contains("jerk of X")
+                );
+            }
+        }
+    }
+    // A machine that limits no axis has no such row.
+    let free = judged(&on_example_machine::<2>("G0 X0 Y0\nG1 X60 F12000\n", ""), &["f64"]).remove(0);
+    assert!(free.requirements.iter().all(|one| !one.what.contains(" of X")), "{:?}", free.requirements);
 }
 
 /// A curve, and a machine that stops from its feed within a period.

@@ -1,0 +1,59 @@
+//! The greatest figure of a run, and the step that has it.
+
+use crate::run::at_cruise::is_less;
+
+/// A step of a run, by which a figure is found again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StepPlace {
+    /// Number of the step, from 0.
+    pub(crate) index: u64,
+    pub(crate) curve: usize,
+    /// The commanded point, in mm.
+    pub(crate) point_mm: [f64; 3],
+}
+
+impl StepPlace {
+    pub(crate) fn later(self, by: u64) -> Self {
+        Self { index: self.index + by, ..self }
+    }
+}
+
+/// The greatest figure of a run, and the first step that has it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Worst {
+    pub(crate) figure: f64,
+    pub(crate) at: Option<StepPlace>,
+}
+
+impl Worst {
+    /// Adds the figure of a later step. NaN counts as greater than any number.
+    pub(crate) fn add(&mut self, figure: f64, at: StepPlace) {
+        if self.at.is_none() || is_less(self.figure, figure) {
+            *self = Self { figure, at: Some(at) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_step_is_found_whatever_its_figure() {
+        let worst = |figures: &[f64]| {
+            let mut found = Worst::default();
+            for (index, figure) in (0..).zip(figures) {
+                found.add(*figure, StepPlace { index, curve: 0, point_mm: [0.0; 3] });
+            }
+            (found.figure, found.at.map(|at| at.index))
+        };
+        assert_eq!([worst(&[1.0, 3.0, 2.0]), worst(&[1.0, 3.0, 3.0])], [(3.0, Some(1)); 2]);
+        assert_eq!((worst(&[0.0, 0.0]), worst(&[])), ((0.0, Some(0)), (0.0, None)));
+        for at in 0..3 {
+            let mut figures = [1.0; 3];
+            figures[at] = f64::NAN;
+            let (figure, step) = worst(&figures);
+            assert!(figure.is_nan() && step == u64::try_from(at).ok(), "{at}");
+        }
+    }
+}
