@@ -18,6 +18,7 @@ use part_program::{Junction, Machine};
 
 use crate::judge::worst::{StepPlace, Worst};
 use crate::problem::problem::Problem;
+use crate::run::at_cruise::is_less;
 use crate::run::run::AboutRun;
 
 /// Windows of 1, 2, 4, … periods, so many.
@@ -224,7 +225,7 @@ impl AxisLimits {
             for (order, difference) in differences.into_iter().enumerate() {
                 let (Some(most), Some(difference)) = (self.bounds[axis][order], difference) else { continue };
                 let share = difference.abs() / (most * power(width, order));
-                exceeds |= !(share <= 1.0);
+                exceeds |= is_less(1.0, share);
                 let [without, with] = self.shares[axis][order][window];
                 if share <= without.figure && share <= with.figure {
                     continue;
@@ -250,13 +251,13 @@ impl AxisLimits {
             for (window, both) in shares.iter().enumerate() {
                 for (share, within) in both.iter().zip(within) {
                     let (Some(at), Some(within)) = (share.at, within) else { continue };
-                    if window == 0 && !(share.figure <= raw.figure) {
+                    if window == 0 && is_less(raw.figure, share.figure) {
                         raw = *share;
                     }
                     let width = 1_usize << window;
                     let hidden = power(2, order) * within / (most * power(width, order));
                     let found = share.figure - hidden;
-                    if !(found <= excess.figure) {
+                    if is_less(excess.figure, found) {
                         (excess, periods) = (Worst { figure: found, at: Some(at) }, width);
                     }
                 }
