@@ -17,8 +17,9 @@ const LEAST: f64 = 4.0;
 const WITHIN: f64 = 1e-8;
 
 /// The largest strain in each cell of the grid, of pieces that follow each other from the way's begin. Looks at least
-/// ten times a period, or a [moment](Way::moment) that is longer, and on both sides of each knot and joint, where the jerk of an axis jumps. Where the way is even, feed and
-/// acceleration are largest at an end of a piece, and its jerk is constant: there it looks at both ends alone.
+/// ten times a period, or a [moment](Way::moment) that is longer, and on both sides of each knot and joint, where the
+/// jerk of an axis jumps. Where the way is even, feed and acceleration are largest at an end of a piece, and its jerk
+/// is constant: there it looks at both ends alone.
 pub(crate) fn strains<const D: usize, C: Differentiate<f64, D>>(
     way: &Way<'_, C>,
     grid: &Grid,

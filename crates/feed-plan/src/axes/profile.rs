@@ -159,7 +159,7 @@ impl Profile {
             let by_limit = 0.5 * change(from.limit, to.limit);
             let by_turn = to.calm.map_or(0.0, |(limit, curvature)| TURN / (curvature * Real::sqrt(limit)));
             let wider = (GROWTH * 0.5 * (apart[0] + apart[1])).min(by_turn);
-            // What is one cell here must not hide how the limit dips.
+            // A cell that is wider than asked for must not leap over a dip of the limit.
             let closer = if wider > cell_time { CLOSER } else { 1.0 };
             sum += duration(&from, &to) / (cell_time + wider) + per_e * (change(v, w) + closer * by_limit);
             measure.push(sum);

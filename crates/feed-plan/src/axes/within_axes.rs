@@ -7,8 +7,8 @@
 //! 2. *Grid*: nodes even in planned time where something changes, first of a rough profile, then of a solution on a third of the cells.
 //! 3. *Program*: the least time, by an interior point.
 //! 4. *Arcs*: the longest of constant jerk that follow the solution.
-//! 5. *Check* at ten places a period at least, or 1/128 of A/J if that is longer, where something changes. Where it finds more than is allowed, that cell's limits are lowered and the program is solved
-//!    again, three times at most; the rest is stretched in time evenly.
+//! 5. *Check* at ten places a period at least, or 1/128 of A/J if that is longer, where something changes. Where it finds more than is
+//!    allowed, that cell's limits are lowered and the program is solved again, three times at most; the rest is stretched in time evenly.
 //! 6. *Whole periods*, as for every plan.
 //!
 //! A way for which any of that fails keeps the plan that it had, and so does one that would not be faster. One along which no axis
@@ -69,8 +69,8 @@ struct Effort {
 ///
 /// `limit` is the feed limit [without reserves](FeedLimit::without_reserves) of these curves, `today` a plan under
 /// [`FeedLimit::along`] them. From a replaced way on, the plan keeps the feed limit, acceleration and jerk of the path, and of each
-/// axis velocity `e v`, acceleration `e a + k v²` and jerk `e j + 3 k v a + c v³`, seen at ten places a period, but for rounding; where a period is much shorter than the time A/J, at ten places in
-/// 1/128 of that time.
+/// axis velocity `e v`, acceleration `e a + k v²` and jerk `e j + 3 k v a + c v³`, seen at ten places a period,
+/// but for rounding; where a period is shorter than 1/128 of the time A/J, at ten places in that share.
 /// Not the least time: the program is not convex, and the arcs lose a little. Takes no more than 60 iterations for each of five
 /// solutions; time and memory grow with the periods in which the feed, its limit or the direction changes, and with the moves. With `std` all cores plan, each a section at a time.
 ///

@@ -21,7 +21,7 @@ use crate::problem::problem::Problem;
 use crate::run::at_cruise::is_less;
 use crate::run::run::AboutRun;
 
-/// Windows of 1, 2, 4, … periods, so many.
+/// The number of windows, which are 1, 2, 4, … periods wide.
 const WINDOWS: usize = 9;
 /// Periods of the widest one.
 const WIDEST: usize = 1 << (WINDOWS - 1);
@@ -33,14 +33,7 @@ pub(crate) type AxisBounds = [Option<f64>; 3];
 
 /// What the axes of a problem's machine may take.
 pub(crate) fn bounds_of<const D: usize>(problem: &Problem<D>) -> [AxisBounds; 3] {
-    let (axes, t) = (&problem.machine.axes, problem.period_s());
-    [&axes.x, &axes.y, &axes.z].map(|axis| {
-        [
-            axis.velocity_mm_per_s.map(|v| v * t),
-            axis.acceleration_mm_per_s2.map(|a| a * t.powi(2)),
-            axis.jerk_mm_per_s3.map(|j| j * t.powi(3)),
-        ]
-    })
+    problem.axes_per_period().map(|axis| [axis.velocity, axis.acceleration, axis.jerk])
 }
 
 /// How far a motion may be from its setpoints in windows that hold a corner, beside what is hidden everywhere, in mm: where corners are
@@ -110,7 +103,7 @@ impl AxisLimits {
     }
 
     /// Whether an axis is limited.
-    pub(crate) fn is_limited(&self) -> bool {
+    fn is_limited(&self) -> bool {
         self.bounds.iter().flatten().any(Option::is_some)
     }
 
@@ -122,8 +115,14 @@ impl AxisLimits {
         }
     }
 
-    /// Adds a setpoint behind the first of a part; `from_mm` is the place at which its step begins.
-    pub(crate) fn add(&mut self, from_mm: [f64; 3], next: Setpoint) {
+    /// Whether the next setpoint begins a section, so that the place is wanted at which its step begins.
+    pub(crate) fn begins_section(&self) -> bool {
+        self.section.is_empty() && self.waiting.is_none() && self.is_limited()
+    }
+
+    /// Adds a setpoint behind the first of a part; `standing_mm` is the place at which its step begins, if it
+    /// [begins a section](Self::begins_section).
+    pub(crate) fn add(&mut self, standing_mm: Option<[f64; 3]>, next: Setpoint) {
         if !self.is_limited() {
             return;
         }
@@ -131,9 +130,7 @@ impl AxisLimits {
             self.head.push(next);
         }
         self.is_head &= !next.ends_at_rest;
-        if self.section.is_empty() && self.waiting.is_none() {
-            self.standing_mm = Some(from_mm);
-        }
+        self.standing_mm = standing_mm.or(self.standing_mm);
         self.pass(next);
     }
 
@@ -335,7 +332,8 @@ mod tests {
         let point = |i: usize| setpoint(i as u64, places[i], corner == Some(i), i == last && ends_at_rest);
         let mut part = of_x(bounds);
         part.begin_part(point(0));
-        (1..=last).for_each(|i| part.add([places[i - 1], 0.0, 0.0], point(i)));
+        (1..=last)
+            .for_each(|i| part.add(part.begins_section().then_some([places[i - 1], 0.0, 0.0]), point(i)));
         all.join(Some([0.0; 3]), point(0), part, |at| at);
         all
     }
@@ -414,8 +412,8 @@ mod tests {
         let bounds = [Some(1.0), None, None];
         let mut part = of_x(bounds);
         part.begin_part(setpoint(0, 0.5, false, false));
-        part.add([0.5, 0.0, 0.0], setpoint(1, 1.0, false, false));
-        part.add([1.0, 0.0, 0.0], setpoint(2, 9.0, false, false));
+        part.add(None, setpoint(1, 1.0, false, false));
+        part.add(None, setpoint(2, 9.0, false, false));
         let mut all = of_x(bounds);
         all.join(None, setpoint(0, 0.5, false, false), part, |at| at);
         assert_eq!(all.findings(0.0, Some(0.0))[0].taken.figure, 0.5);
@@ -468,7 +466,7 @@ mod tests {
                 for end in ends {
                     let mut part = of_x(bounds);
                     part.begin_part(Setpoint { passes_corner: true, ..point(begin) });
-                    (begin + 1..*end).for_each(|i| part.add(from(i), point(i)));
+                    (begin + 1..*end).for_each(|i| part.add(part.begins_section().then(|| from(i)), point(i)));
                     all.join(Some(from(begin)), point(begin), part, |at| at);
                     begin = *end;
                 }

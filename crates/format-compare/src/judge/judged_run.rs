@@ -120,6 +120,7 @@ impl JudgedRun {
         let tally = &judged.tally;
         let (fluctuation, worst_fluctuation) = tally.fluctuation();
         let saturations = run.extremes.overflows + run.extremes.divisions_by_zero;
+        let seen_within_mm = seen_within_mm(run, problem);
         let found = Findings {
             fluctuation: worst_fluctuation,
             saturations,
@@ -127,8 +128,8 @@ impl JudgedRun {
             corner_error_mm: tally.corner_error_mm,
             position_error_mm: tally.position_error_mm,
             end_error_mm: judged.end_error_mm,
-            seen_within_mm: seen_within_mm(run, problem),
-            axes: tally.axes.findings(seen_within_mm(run, problem), hidden_at_corners_mm(&problem.machine)),
+            seen_within_mm,
+            axes: tally.axes.findings(seen_within_mm, hidden_at_corners_mm(&problem.machine)),
             periods: tally.steps,
             last: tally.last,
         };

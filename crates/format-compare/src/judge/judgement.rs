@@ -75,9 +75,10 @@ impl<const D: usize> Judge<'_, D> {
         let mut at = self.reference.reached_by(first);
         judged.others.begin_part(first);
         for step in steps {
-            let from = self.reference.start_of(&at, &step);
+            let begins = judged.others.axes.begins_section();
+            let standing = begins.then(|| self.reference.start_of(&at, &step));
             let figures = self.reference.judge_next(&mut at, &step);
-            judged.add(from, &step, &figures);
+            judged.add(standing, &step, &figures);
         }
         judged.end = Some(at);
         (self.progress)(judged.others.steps + 1);
@@ -102,8 +103,8 @@ impl<const D: usize> Judge<'_, D> {
 }
 
 impl<const D: usize> JudgedStretch<D> {
-    fn add(&mut self, from_mm: [f64; 3], step: &RunStep, judged: &JudgedStep) {
-        self.others.add_from(from_mm, step, judged);
+    fn add(&mut self, standing_mm: Option<[f64; 3]>, step: &RunStep, judged: &JudgedStep) {
+        self.others.add_from(standing_mm, step, judged);
         if let Some(trace) = &mut self.trace {
             trace.add(step, judged);
         }

@@ -45,10 +45,10 @@ impl Tally {
         self.axes.begin_part(Setpoint { at, passes_corner: true, ends_at_rest });
     }
 
-    /// Adds the next step, which begins at a place.
-    pub(crate) fn add_from(&mut self, from_mm: [f64; 3], step: &RunStep, judged: &JudgedStep) {
+    /// Adds the next step, which begins at `standing_mm` if it begins a section.
+    pub(crate) fn add_from(&mut self, standing_mm: Option<[f64; 3]>, step: &RunStep, judged: &JudgedStep) {
         let setpoint = self.add(step, judged);
-        self.axes.add(from_mm, setpoint);
+        self.axes.add(standing_mm, setpoint);
     }
 
     /// Adds the next step, but for what the axes take in it.
@@ -145,7 +145,7 @@ mod tests {
     fn the_jerk_of_a_run_has_its_last_step_in_it() {
         let jerk = |chords: &[f64], last_feed: f64, period_s: f64| {
             let mut tally = Tally::new(1.0, [[None; 3]; 3]);
-            chords.iter().for_each(|chord| tally.add_from([0.0; 3], &step(last_feed), &judged(*chord)));
+            chords.iter().for_each(|chord| tally.add_from(None, &step(last_feed), &judged(*chord)));
             tally.jerk_max_mm_per_s3(period_s)
         };
         // The accelerations are 0, -1, -2, 1, and behind the end -2, 0.

@@ -195,6 +195,21 @@ impl<const D: usize> Problem<D> {
         self.feedrate_mm_per_s() * self.period_s()
     }
 
+    fn axes(&self) -> [part_program::AxisLimits; 3] {
+        let axes = &self.machine.axes;
+        [axes.x, axes.y, axes.z]
+    }
+
+    /// The limits of single axes, in mm and periods.
+    pub(crate) fn axes_per_period(&self) -> [AxisLimits<f64>; 3] {
+        let t = self.period_s();
+        self.axes().map(|axis| AxisLimits {
+            velocity: axis.velocity_mm_per_s.map(|v| v * t),
+            acceleration: axis.acceleration_mm_per_s2.map(|a| a * t.powi(2)),
+            jerk: axis.jerk_mm_per_s3.map(|j| j * t.powi(3)),
+        })
+    }
+
     /// The limits with the interpolation period as the unit of time: F·T, A·T², J·T³ in mm per period to the first,
     /// second and third power. A controller works with these numbers. They are of the order of a step, while the same
     /// limits per second span nine orders of magnitude.
@@ -203,7 +218,6 @@ impl<const D: usize> Problem<D> {
     /// [`PlanError`] when a limit is not positive.
     pub fn limits_per_period(&self) -> Result<KinematicLimits<f64>, PlanError> {
         let (machine, t) = (&self.machine, self.period_s());
-        let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
         let limits = KinematicLimits {
             interpolation_period: 1.0,
             feedrate: self.full_step_mm(),
@@ -211,16 +225,12 @@ impl<const D: usize> Problem<D> {
             jerk: machine.jerk_mm_per_s3 * t.powi(3),
             chord_error: machine.chord_error_mm,
             centripetal_acceleration: machine.centripetal_acceleration_mm_per_s2.map(|a| a * t.powi(2)),
-            axes: axes.map(|axis| AxisLimits {
-                velocity: axis.velocity_mm_per_s.map(|v| v * t),
-                acceleration: axis.acceleration_mm_per_s2.map(|a| a * t.powi(2)),
-                jerk: axis.jerk_mm_per_s3.map(|j| j * t.powi(3)),
-            }),
+            axes: self.axes_per_period(),
             junction: match machine.junction {
                 part_program::Junction::Stop => Junction::Stop,
                 part_program::Junction::DeviationMm(deviation) => Junction::Deviation(deviation),
                 part_program::Junction::VelocityJump => Junction::VelocityJump(
-                    axes.map(|axis| axis.velocity_jump_mm_per_s.map_or(NO_JUMP, |jump| jump * t)),
+                    self.axes().map(|axis| axis.velocity_jump_mm_per_s.map_or(NO_JUMP, |jump| jump * t)),
                 ),
             },
         };
