@@ -57,6 +57,8 @@ fn answer(comparison: &Comparison, target: Option<&str>) -> String {
         Some(FewestBits::Found { format, bits, margin, .. }) => {
             format!("{bits} bits are enough: {format}, {} better than asked.\n", times(*margin))
         }
+        // More bits would not help either.
+        Some(FewestBits::None { .. }) if comparison.not_a_question_of_format.is_some() => String::new(),
         Some(FewestBits::None { up_to_bits }) => {
             format!("Not even {up_to_bits} bits are enough in one fixed-point format.\n")
         }

@@ -43,6 +43,7 @@ fn requirement(what: &'static str, [found, limit]: [f64; 2], broken: &str) -> Re
         unit: "ratio",
         at: Some(at),
         seen_within_mm: None,
+        is_of_motion: false,
         broken: broken.to_owned(),
     }
 }
@@ -196,6 +197,9 @@ fn nothing_that_is_good_enough() {
         ..comparison("a made-up part", vec![run("I16F16", 5.1e-7, &[&broken.broken])])
     };
     shows(&compared(&comparison, &[]), &expect_file!["../tests/command_line/terminal/none.txt"]);
+    // More bits are no question only where they would not help.
+    let of_format = Comparison { not_a_question_of_format: None, ..comparison };
+    assert!(compared(&of_format, &[]).contains("Not even 48 bits are enough"));
 }
 
 #[test]

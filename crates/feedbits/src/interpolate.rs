@@ -9,8 +9,8 @@ use clap::Args;
 use clap_complete::ArgValueCandidates;
 use domains::options::{OVERRIDE, OVERRIDE_TIME, RESERVE};
 use format_compare::{
-    AboutRun, ChordTally, Dimension, Engine, Observer, Options, OverrideTarget, Overrides, Problem,
-    Reference, Refusal, Space, Vectors, VectorsAbout,
+    AboutRun, ChordTally, Dimension, Engine, JudgedRun, Observer, Options, OverrideTarget, Overrides,
+    Problem, Reference, Refusal, Space, Vectors, VectorsAbout,
 };
 use real::FormatName;
 
@@ -75,21 +75,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         return write_vectors(&folder, &vectors);
     }
     let out = arguments.output.place()?;
-    let stopped = match arguments.run.problem(&arguments.input)? {
+    let broken = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => in_part(&problem, setpoints(&problem, arguments, &out))?,
         AnyProblem::Spatial(problem) => in_part(&problem, setpoints(&problem, arguments, &out))?,
     };
-    let Some(format) = stopped else { return Ok(Ending::Good) };
-    output::say(&format!("feedbits: the run in {format} stops before the end of the path"));
+    let Some(broken) = broken else { return Ok(Ending::Good) };
+    output::say(&format!("feedbits: {broken}"));
     Ok(Ending::RequirementNotMet)
 }
 
-/// Writes the setpoints while they are made. Returns the format's name if its run stops before the end of the path.
+/// Writes the setpoints while they are made. Returns which limits of the motion the run breaks, if any.
 fn setpoints<const D: usize>(
     problem: &Problem<D>,
     arguments: &Arguments,
     out: &Place,
-) -> Result<Option<FormatName>>
+) -> Result<Option<String>>
 where
     Space: Dimension<D>,
 {
@@ -101,8 +101,8 @@ where
         let progress = Progress::planning();
         let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
         let run = |observer: &dyn Observer| format.run_before(problem, &plan, &options, observer);
-        let (about, _) = written(problem, run, plan.periods(), to, &progress)?;
-        return Ok((!about.finished).then(|| format.name()));
+        let (judged, _) = written(problem, (format.name(), &options), run, plan.periods(), to, &progress)?;
+        return Ok(broken(&judged));
     }
     if options.engine != Engine::Pieces {
         bail!("--override goes with pieces: give --evaluate pieces");
@@ -117,7 +117,7 @@ where
     let periods = commands.periods();
     let options = Options { overrides: Some(commands), ..options };
     let run = |observer: &dyn Observer| format.run_before(&to_plan, &plan, &options, observer);
-    let (about, summary) = written(problem, run, periods, to, &progress)?;
+    let (judged, summary) = written(problem, (format.name(), &options), run, periods, to, &progress)?;
     drop(progress);
     output::note(&kept(&summary, problem));
     let end = summary.end_s;
@@ -127,7 +127,14 @@ where
             target.time_s
         ));
     }
-    Ok((!about.finished).then(|| format.name()))
+    Ok(broken(&judged))
+}
+
+/// The limits of the motion that a run breaks; `None` if it keeps them.
+fn broken(run: &JudgedRun) -> Option<String> {
+    let broken = run.requirements.iter().filter(|one| one.is_of_motion && !one.holds());
+    let reasons: Vec<_> = broken.map(|one| one.broken.as_str()).collect();
+    (!reasons.is_empty()).then(|| format!("the run in {}: {}", run.format, reasons.join("; ")))
 }
 
 /// What is said of a run with overrides.
@@ -148,17 +155,18 @@ fn at_rest(mut chords: ChordTally) -> ChordTally {
 /// Makes the run of `periods` periods and writes its setpoints to a place, as JSON or CSV.
 fn written<const D: usize>(
     problem: &Problem<D>,
+    about: (FormatName, &Options),
     run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
     periods: u64,
     (out, as_json): (&Place, bool),
     progress: &Progress,
-) -> Result<(AboutRun, Summary)> {
+) -> Result<(JudgedRun, Summary)> {
     let reference = Reference::new(problem)?;
     output::write_by(out, |file| {
         let mut rows = Rows::new(file, as_json);
         let (mut summary, mut failure) = (Summary::default(), None);
         summary.chords = at_rest(summary.chords);
-        let about = reference.show_setpoints(problem, run, |row| {
+        let judged = reference.show_setpoints(problem, about, run, |row| {
             summary.periods += 1;
             summary.end_s = row.time_s;
             summary.chords.add(row.chord_mm);
@@ -172,7 +180,7 @@ fn written<const D: usize>(
         summary.chords = at_rest(summary.chords);
         failure.map_or(Ok(()), Err)?;
         rows.finish()?;
-        Ok((about, summary))
+        Ok((judged, summary))
     })
 }
 

@@ -104,7 +104,12 @@ where
         progress.finish();
     }
     output::write(terminal.as_ref().unwrap_or(out), &text)?;
-    Ok(Ending::Good)
+    let broken = summary.broken(&problem.machine);
+    if broken.is_empty() {
+        return Ok(Ending::Good);
+    }
+    output::say(&format!("feedbits: the plan: {}", broken.join("; ")));
+    Ok(Ending::RequirementNotMet)
 }
 
 /// Prints the decisions of the profile flexible.

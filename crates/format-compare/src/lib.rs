@@ -85,7 +85,7 @@ mod cost {
 }
 
 mod judge {
-    pub(crate) mod axis_limits;
+    mod arc;
     mod exact_curve;
     pub(crate) mod judged_run;
     pub(crate) mod judgement;
@@ -94,6 +94,7 @@ mod judge {
     pub(crate) mod reference;
     pub(crate) mod requirement;
     pub(crate) mod setpoints;
+    pub(crate) mod stated_limits;
     pub(crate) mod tally;
     pub(crate) mod trace;
     pub(crate) mod worst;

@@ -401,3 +401,17 @@ fn a_laser_passes_its_s_words() {
     let (passed, stopped) = (time("s_stops = false"), time("s_stops = true"));
     assert!(passed < 0.7 && stopped > 4.0, "{passed} {stopped}");
 }
+
+/// Without look-ahead a bend is braked for within a period. Setpoints and plan are given all the same.
+#[test]
+fn a_limit_that_is_broken_is_said_with_status_1() {
+    for (command, what) in [("plan", "the plan: "), ("interpolate", "the run in f64: ")] {
+        let output = feedbits(&[command, "--profile", "none"]);
+        let said = unfolded(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{command}: {said}");
+        assert!(said.contains(what) && said.contains("jerk along the path"), "{command}: {said}");
+        assert!(output.stdout.len() > 500, "{command}");
+        let kept = feedbits(&[command]);
+        assert!(kept.status.success() && !unfolded(&kept.stderr).contains("limit"), "{command}");
+    }
+}

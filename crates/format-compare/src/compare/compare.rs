@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use part_program::Machine;
 use serde::Serialize;
 
-use crate::judge::axis_limits::bounds_of;
 use crate::judge::judged_run::JudgedRun;
 use crate::judge::judgement::Judge;
 use crate::judge::not_of_format::NotOfFormat;
 use crate::judge::reference::Reference;
+use crate::judge::stated_limits::stated_limits;
 use crate::judge::trace::{Coarseness, Trace};
 use crate::plan::exact_plan::ExactPlan;
 use crate::plan::plan_summary::OverLimits;
@@ -155,7 +155,7 @@ where
     let judge = Judge {
         reference: &reference,
         full_step_mm: problem.full_step_mm(),
-        axes: bounds_of(problem),
+        limits: &stated_limits(problem, 1.0),
         starts_at_rest: options.starts_at_rest(),
         traced: watch.traces.then(|| Coarseness::of(planned, reference.length_mm())),
         progress: &|periods| (watch.progress)(done.fetch_add(periods, Ordering::Relaxed) + periods, all),

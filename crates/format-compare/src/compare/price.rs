@@ -81,6 +81,7 @@ fn demand_that_it_fits(run: &mut JudgedRun, targets: &[Target]) {
         unit: "ratio",
         at: None,
         seen_within_mm: None,
+        is_of_motion: false,
         broken: format!("a period takes {microseconds:.0} µs, {share:.1} times the interpolation period"),
     });
     run.verdict = Verdict::of(&run.requirements);

@@ -7,11 +7,11 @@ use real::FormatName;
 use serde::Serialize;
 
 use crate::cost::period_cost::Cost;
-use crate::judge::axis_limits::{bounds_of, hidden_at_corners_mm, seen_within_mm};
 use crate::judge::judgement::{Judge, Judgement};
 use crate::judge::metrics::{Fluctuation, PerPeriod};
 use crate::judge::reference::Reference;
 use crate::judge::requirement::{Findings, Requirement, requirements};
+use crate::judge::stated_limits::{hidden_at_corners_mm, seen_within_mm, stated_limits};
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::observer::Observer;
@@ -49,8 +49,7 @@ pub struct JudgedRun {
     /// Distance of the last commanded point from the curve's end, in mm.
     pub end_error_mm: Option<f64>,
     /// Largest change of acceleration along the path from one period to the next, over T, in mm/s³: `|c_{i+1} - 2 c_i +
-    /// c_{i-1}|/T³` for the chords c, including the last one. There is no requirement for it, since a run that passes a
-    /// corner has the jerk that the corner causes.
+    /// c_{i-1}|/T³` for the chords c, including the last one. The requirement for the jerk along the path is judged on arc lengths.
     pub jerk_max_mm_per_s3: Option<f64>,
     /// Periods run.
     pub periods: Option<u64>,
@@ -101,7 +100,7 @@ impl JudgedRun {
         let judge = Judge {
             reference,
             full_step_mm: problem.full_step_mm(),
-            axes: bounds_of(problem),
+            limits: &stated_limits(problem, 1.0),
             starts_at_rest: options.starts_at_rest(),
             traced: None,
             progress: &|_| (),
@@ -129,7 +128,7 @@ impl JudgedRun {
             position_error_mm: tally.position_error_mm,
             end_error_mm: judged.end_error_mm,
             seen_within_mm,
-            axes: tally.axes.findings(seen_within_mm, hidden_at_corners_mm(&problem.machine)),
+            limits: tally.differences.findings(seen_within_mm, hidden_at_corners_mm(&problem.machine)),
             periods: tally.steps,
             last: tally.last,
         };

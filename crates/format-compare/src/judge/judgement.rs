@@ -1,8 +1,8 @@
 //! The judge at work while a run is made.
 
-use crate::judge::axis_limits::AxisBounds;
 use crate::judge::metrics::JudgedStep;
 use crate::judge::reference::{Reached, Reference};
+use crate::judge::stated_limits::StatedLimit;
 use crate::judge::tally::Tally;
 use crate::judge::trace::{Coarseness, Trace, TraceRecorder};
 use crate::refusal::Refusal;
@@ -23,8 +23,8 @@ pub(crate) struct Judgement<const D: usize> {
 pub(crate) struct Judge<'a, const D: usize> {
     pub(crate) reference: &'a Reference<'a, D>,
     pub(crate) full_step_mm: f64,
-    /// What the axes may take.
-    pub(crate) axes: [AxisBounds; 3],
+    /// The limits that the machine states.
+    pub(crate) limits: &'a [StatedLimit],
     /// Whether the run begins at rest.
     pub(crate) starts_at_rest: bool,
     /// How coarse the trace is; `None` if none is wanted.
@@ -59,7 +59,7 @@ impl<const D: usize> Judge<'_, D> {
     }
 
     fn tally(&self) -> Tally {
-        Tally::new(self.full_step_mm, self.axes)
+        Tally::new(self.full_step_mm, self.limits)
     }
 
     /// Judges the steps of a stretch, all but the first.
@@ -75,7 +75,7 @@ impl<const D: usize> Judge<'_, D> {
         let mut at = self.reference.reached_by(first);
         judged.others.begin_part(first);
         for step in steps {
-            let begins = judged.others.axes.begins_section();
+            let begins = judged.others.differences.begins_section();
             let standing = begins.then(|| self.reference.start_of(&at, &step));
             let figures = self.reference.judge_next(&mut at, &step);
             judged.add(standing, &step, &figures);

@@ -36,6 +36,10 @@ pub struct JudgedStep {
     pub wanted_mm: f64,
     /// The chord between the exact points, in mm.
     pub chord_mm: f64,
+    /// The arc length of the path between them, in mm.
+    pub arc_mm: f64,
+    /// The longest step that the blocks passed in it command, in mm.
+    pub feed_mm: f64,
     /// `wanted - chord`, in mm, subtracted before rounding to f64.
     pub shortfall_mm: f64,
     /// `wanted - chord`, in mm, for the chord between the commanded points.
@@ -44,6 +48,9 @@ pub struct JudgedStep {
     pub chord_error_mm: f64,
     /// Whether the chord passes a corner of the path, a joint at which the tangent breaks.
     pub passes_corner: bool,
+    /// By how much each component of the unit tangent changes at most at a corner that the chord passes or begins at; `None` if there is
+    /// none.
+    pub turn: Option<[f64; 3]>,
     /// Distance of the commanded point from the exact one, in mm.
     pub position_error_mm: f64,
 }
@@ -285,10 +292,13 @@ mod tests {
         JudgedStep {
             wanted_mm: wanted,
             chord_mm: wanted - shortfall,
+            arc_mm: wanted - shortfall,
+            feed_mm: wanted,
             shortfall_mm: shortfall,
             commanded_shortfall_mm: 2.0 * shortfall,
             chord_error_mm: 0.0,
             passes_corner: false,
+            turn: None,
             position_error_mm: 0.0,
         }
     }

@@ -5,6 +5,7 @@
 
 use std::fmt;
 
+use feed_plan::ProfileKind;
 use part_program::Junction;
 use real::Backend;
 use serde::Serialize;
@@ -111,14 +112,14 @@ where
         helps: Vec::new(),
         does_not_help: Vec::new(),
     };
-    for tries in changes(problem) {
-        for (change, changed) in tries {
-            let Some(judged) = run(&changed, &reference, &options) else { continue };
+    for tries in changes(problem, &options) {
+        for Change { words, problem, options } in tries {
+            let Some(judged) = run(&problem, &reference, &options) else { continue };
             if judged.verdict.is_good() {
-                found.helps.push(Remedy { change, time_s: time(&judged) });
+                found.helps.push(Remedy { change: words, time_s: time(&judged) });
                 break;
             }
-            found.does_not_help.push(change);
+            found.does_not_help.push(words);
         }
     }
     found.helps.sort_by(|one, other| one.time_s.total_cmp(&other.time_s));
@@ -160,17 +161,42 @@ fn is_beyond_rounding(one: &Requirement, run: &JudgedRun, full_step_mm: f64) -> 
     one.found.is_nan() || one.found > BEYOND_ROUNDING * rounding
 }
 
+/// A change that may help, in the words of the machine file or the command line.
+struct Change<const D: usize> {
+    words: String,
+    problem: Problem<D>,
+    options: Options,
+}
+
 /// Lists of changes that may help. Of each list, the first change that helps counts.
-fn changes<const D: usize>(problem: &Problem<D>) -> Vec<Vec<(String, Problem<D>)>> {
+fn changes<const D: usize>(problem: &Problem<D>, options: &Options) -> Vec<Vec<Change<D>>> {
+    let of_problem = |words: String, problem| Change { words, problem, options: options.clone() };
+    let of_options =
+        |words: &str, options| Change { words: words.to_string(), problem: problem.clone(), options };
     let mut changes = Vec::new();
     if problem.machine.junction != Junction::Stop {
         let mut stop = problem.clone();
         stop.machine.junction = Junction::Stop;
-        changes.push(vec![("`junction = \"stop\"` in the machine file".to_string(), stop)]);
+        changes.push(vec![of_problem("`junction = \"stop\"` in the machine file".to_string(), stop)]);
     }
     let slower = [("half", 0.5), ("a quarter", 0.25)].map(|(words, share)| {
-        (format!("{words} of the feed everywhere"), problem.at_feedrate(problem.feedrate_mm_per_s() * share))
+        let slower = problem.at_feedrate(problem.feedrate_mm_per_s() * share);
+        of_problem(format!("{words} of the feed everywhere"), slower)
     });
-    changes.push(slower.to_vec());
+    let closer = [0.5, 0.25].map(|share| {
+        let mut closer = problem.clone();
+        closer.machine.chord_error_mm *= share;
+        of_problem(
+            format!("`chord_error_mm = {}` in the machine file", closer.machine.chord_error_mm),
+            closer,
+        )
+    });
+    changes.extend([slower, closer].map(Vec::from));
+    if options.profile != ProfileKind::SCurve {
+        let s_curves = Options { profile: ProfileKind::SCurve, ..options.clone() };
+        changes.push(vec![of_options("`--profile s-curve`", s_curves)]);
+    }
+    let raw = Options { engine: Engine::DeBoorSecant, ..options.clone() };
+    changes.push(vec![of_options("`--evaluate de-boor`", raw)]);
     changes
 }

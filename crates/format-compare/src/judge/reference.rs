@@ -3,11 +3,11 @@
 use std::cmp::Ordering;
 
 use nurbs_core::{
-    CurveError, Differentiate, Evaluate, NurbsBuf, arc_length, distance_to_segment, farthest_from_segment,
-    tangent_breaks,
+    CurveError, Differentiate, Evaluate, NurbsBuf, arc_length, distance_to_segment, tangent_breaks,
 };
 use real::{DoubleDouble, Real};
 
+use crate::judge::arc::Sampled;
 use crate::judge::exact_curve::ExactCurve;
 use crate::judge::metrics::{JudgedStep, greater};
 use crate::plan::in_format::of_pair;
@@ -27,12 +27,22 @@ pub(crate) struct Reached<const D: usize> {
     commanded: [DoubleDouble; D],
 }
 
+/// A place at which the tangent breaks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Corner {
+    curve: usize,
+    u: f64,
+    /// By how much each component of the unit tangent changes.
+    turn: [f64; 3],
+}
+
 /// The path in about 106 bits.
 pub struct Reference<'a, const D: usize> {
     exact: Vec<ExactCurve<'a, D>>,
     plain: &'a [NurbsBuf<f64, D>],
-    /// Curve and parameter of each corner that a run may pass.
-    corners: Vec<(usize, f64)>,
+    problem: &'a Problem<D>,
+    /// The corners that a run may pass, in order.
+    corners: Vec<Corner>,
     /// Curves that begin at rest.
     stops: &'a [usize],
     length_mm: f64,
@@ -54,6 +64,7 @@ impl<'a, const D: usize> Reference<'a, D> {
         Ok(Self {
             exact,
             plain: &problem.curves,
+            problem,
             corners: corners(problem),
             stops: &problem.stops,
             length_mm,
@@ -84,17 +95,20 @@ impl<'a, const D: usize> Reference<'a, D> {
         is_at_end.then(|| self.begin(at.0 + 1))
     }
 
-    /// The corners between two places of the path, each a curve and its parameter: joints at which the tangent breaks
-    /// and which a run may pass. A corner at which a chord begins or ends is not between.
-    fn corners_between(&self, from: OnPath, to: OnPath) -> &[(usize, f64)] {
-        let order = |one: &(usize, f64), other: OnPath| {
-            one.0.cmp(&other.0).then((one.1, 0.0).partial_cmp(&other.1).unwrap_or(Ordering::Equal))
+    /// The corners between two places of the path, and one at the first place if that counts: joints at which the tangent breaks and
+    /// which a run may pass. A corner at the last place is not between.
+    fn corners_between(&self, from: OnPath, to: OnPath, with_first: bool) -> &[Corner] {
+        let order = |one: &Corner, other: OnPath| {
+            let at = (one.u, 0.0).partial_cmp(&other.1).unwrap_or(Ordering::Equal);
+            one.curve.cmp(&other.0).then(at)
         };
         if self.corners.is_empty() {
             return &[];
         }
         let from = self.begin_of_next(from).unwrap_or(from);
-        let begin = self.corners.partition_point(|corner| order(corner, from).is_le());
+        let is_before =
+            |corner: &Corner| order(corner, from).is_lt() || !with_first && order(corner, from).is_eq();
+        let begin = self.corners.partition_point(is_before);
         let end = self.corners.partition_point(|corner| order(corner, to).is_lt());
         self.corners.get(begin..end).unwrap_or_default()
     }
@@ -152,15 +166,18 @@ impl<'a, const D: usize> Reference<'a, D> {
     fn judge_step(&self, from: &Reached<D>, step: &RunStep, to: &Reached<D>) -> JudgedStep {
         let within =
             if from.at.0 == to.at.0 { self.exact[to.at.0].straight_chord(from.at.1, to.at.1) } else { None };
-        let (chord, commanded, chord_error_mm, passes_corner) = match within {
-            Some(chord) => (chord, distance(&from.commanded, &to.commanded), 0.0, false),
+        let (chord, commanded, [arc_mm, chord_error_mm], passes_corner) = match within {
+            Some(chord) => {
+                (chord, distance(&from.commanded, &to.commanded), [chord.value().abs(), 0.0], false)
+            }
             None => {
-                let corners = self.corners_between(from.at, to.at).iter();
-                let corners: Vec<_> = corners.map(|(curve, u)| self.point((*curve, (*u, 0.0)))).collect();
-                let error = self.chord_error_mm(from.at, step, &from.point, &to.point);
+                let corners = self.corners_between(from.at, to.at, false).iter();
+                let corners: Vec<_> =
+                    corners.map(|corner| self.point((corner.curve, (corner.u, 0.0)))).collect();
+                let measured = self.arc_and_chord_error_mm(from.at, step, &from.point, &to.point);
                 let [chord, commanded] = [[&from.point, &to.point], [&from.commanded, &to.commanded]]
                     .map(|[from, to]| legs(from, &corners, to));
-                (chord, commanded, error, !corners.is_empty())
+                (chord, commanded, measured, !corners.is_empty())
             }
         };
         let wanted = of_pair(step.wanted_mm);
@@ -168,38 +185,56 @@ impl<'a, const D: usize> Reference<'a, D> {
         JudgedStep {
             wanted_mm: wanted.value(),
             chord_mm: chord.value(),
+            arc_mm,
+            feed_mm: self.feed_mm(from.at, step.curve),
             shortfall_mm: (wanted - chord).value(),
             commanded_shortfall_mm: wanted.value() - commanded.value(),
             chord_error_mm,
             passes_corner,
+            turn: self.turn(from.at, to.at),
             position_error_mm: f64::norm(&off),
         }
     }
 
-    /// The largest distance between the path and the chord of two setpoints, over joints too. A curve is sampled at
+    /// By how much each component of the unit tangent changes at most at a corner between two places, or at the first; `None` if there
+    /// is none.
+    fn turn(&self, from: OnPath, to: OnPath) -> Option<[f64; 3]> {
+        let turns = self.corners_between(from, to, true).iter().map(|corner| corner.turn);
+        turns.reduce(|one, other| std::array::from_fn(|axis| one[axis].max(other[axis])))
+    }
+
+    /// The longest step that the curves passed from a place to one on a later curve, or the same, command.
+    fn feed_mm(&self, from: OnPath, last: usize) -> f64 {
+        let first = if last > from.0 { self.begin_of_next(from).unwrap_or(from).0 } else { from.0 };
+        let feeds = (first..=last).map(|curve| self.problem.feed_mm_per_s(curve));
+        feeds.fold(0.0, f64::max) * self.problem.period_s()
+    }
+
+    /// The arc length of the path between two setpoints, and its largest distance from their chord, over joints too. A curve is sampled at
     /// eight points in f64: where the distance matters it is at least half a micrometre, and it is smooth in between.
     /// That of a straight move is at an end.
-    fn chord_error_mm(
+    fn arc_and_chord_error_mm(
         &self,
         (curve, from): OnPath,
         step: &RunStep,
         from_point: &[DoubleDouble; D],
         to_point: &[DoubleDouble; D],
-    ) -> f64 {
-        const SAMPLES: i32 = 8;
+    ) -> [f64; 2] {
         let chord = [from_point, to_point].map(|end| end.map(DoubleDouble::value));
         let on_curve = |index: usize| {
             let begin = if index == curve { from } else { self.begin(index).1 };
             let end = if index == step.curve { step.u } else { self.end(index).1 };
             let Some(plain) = self.exact[index].bent() else {
+                let length = self.exact[index].straight_chord(begin, end).map_or(0.0, DoubleDouble::value);
                 let end = self.point((index, end)).map(DoubleDouble::value);
-                return distance_to_segment(&end, &chord);
+                return [length.abs(), distance_to_segment(&end, &chord)];
             };
             let width = (end.0 - begin.0) + (end.1 - begin.1);
-            let at = move |sample: i32| begin.0 + width * f64::from(sample) / f64::from(SAMPLES);
-            farthest_from_segment((1..=SAMPLES).map(|sample| plain.point(at(sample))), &chord)
+            let sampled = Sampled::of(plain, begin.0, width);
+            [sampled.arc_mm(plain, begin.0, width), sampled.farthest_from(&chord)]
         };
-        (curve..=step.curve).map(on_curve).fold(0.0, greater)
+        let add = |[arc, error]: [f64; 2], [own, off]: [f64; 2]| [arc + own, greater(error, off)];
+        (curve..=step.curve).map(on_curve).fold([0.0; 2], add)
     }
 
     /// Distance of the commanded point at a place from the end of the path, in mm.
@@ -229,25 +264,32 @@ fn legs<const D: usize>(
 
 /// The corners that a run may pass: where curves meet and at knots of multiplicity p, wherever the tangent breaks,
 /// except those at which the program rests.
-fn corners<const D: usize>(problem: &Problem<D>) -> Vec<(usize, f64)> {
+fn corners<const D: usize>(problem: &Problem<D>) -> Vec<Corner> {
     let mut corners = Vec::new();
     let mut arriving = None;
     for (index, curve) in problem.curves.iter().enumerate() {
         let curve = curve.as_curve();
         let (first, last) = curve.domain();
         let end = curve.span_count() - 1;
+        let corner = |u: f64, before: [f64; D], after: [f64; D]| {
+            tangent_breaks(&before, &after).then(|| Corner { curve: index, u, turn: turn(&before, &after) })
+        };
         let leaving = curve.derivatives_in(0, first).first;
-        if !problem.rests_before(index) && arriving.is_some_and(|before| tangent_breaks(&before, &leaving)) {
-            corners.push((index, first));
-        }
+        let before = arriving.filter(|_| !problem.rests_before(index));
+        corners.extend(before.and_then(|before| corner(first, before, leaving)));
         corners.extend((1..=end).filter_map(|span| {
             let u = curve.span_bounds(span).0;
             let [before, after] = [span - 1, span].map(|span| curve.derivatives_in(span, u).first);
-            let is_corner =
-                curve.knots().multiplicity(u) == curve.degree() && tangent_breaks(&before, &after);
-            is_corner.then_some((index, u))
+            corner(u, before, after).filter(|_| curve.knots().multiplicity(u) == curve.degree())
         }));
         arriving = Some(curve.derivatives_in(end, last).first);
     }
     corners
+}
+
+/// By how much each component of the unit tangent changes from one derivative to another.
+fn turn<const D: usize>(before: &[f64; D], after: &[f64; D]) -> [f64; 3] {
+    let [arriving, leaving] = [f64::norm(before), f64::norm(after)];
+    let component = |axis: usize| Some((after.get(axis)? / leaving - before.get(axis)? / arriving).abs());
+    std::array::from_fn(|axis| component(axis).unwrap_or(0.0))
 }

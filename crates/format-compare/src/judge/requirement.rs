@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::judge::axis_limits::AxisFinding;
+use crate::judge::stated_limits::LimitFinding;
 use crate::judge::worst::{StepPlace, Worst};
 use crate::problem::problem::Problem;
 use crate::run::run::AboutRun;
@@ -11,8 +11,12 @@ use crate::run::run::AboutRun;
 /// within the step the true distance differs by a few parts in a thousand.
 const CHORD_ERROR_SLACK: f64 = 5e-3;
 
-/// Plans keep the limits of axes up to their last digits.
-const AXIS_SLACK: f64 = 1e-6;
+/// Plans keep the limits that a machine states up to their last digits.
+const LIMIT_SLACK: f64 = 1e-6;
+
+/// Requirements of the motion, beside the limits that are judged by differences.
+const OF_MOTION: [&str; 4] =
+    ["stops before the end of the path", "chord error", "corner error", "distance from the end of the path"];
 
 /// One requirement of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,6 +35,9 @@ pub struct Requirement {
     /// How far a motion may be from the setpoints, in mm, for a limit that is kept by such a motion and not by the setpoints themselves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seen_within_mm: Option<f64>,
+    /// Whether it is a limit of the motion, which a controller in any format must keep, and not one of how finely the format computes.
+    #[serde(skip)]
+    pub is_of_motion: bool,
     /// The message for a requirement that is not kept.
     #[serde(skip)]
     pub broken: String,
@@ -85,9 +92,9 @@ pub(crate) struct Findings {
     pub(crate) corner_error_mm: Worst,
     pub(crate) position_error_mm: Worst,
     pub(crate) end_error_mm: f64,
-    /// How far a motion may be from the setpoints, and what the axes take.
+    /// How far a motion may be from the setpoints, and what is taken of the limits that the machine states.
     pub(crate) seen_within_mm: f64,
-    pub(crate) axes: Vec<AxisFinding>,
+    pub(crate) limits: Vec<LimitFinding>,
     /// Number of steps, and the place of the last.
     pub(crate) periods: u64,
     pub(crate) last: Option<StepPlace>,
@@ -105,7 +112,8 @@ pub(crate) fn requirements<const D: usize>(
         // A part with a single move needs no line.
         let line = at.and_then(|at| at.line).filter(|_| problem.curves.len() > 1);
         let broken = line.map_or_else(|| broken.clone(), |line| format!("{broken} in line {line}"));
-        Requirement { what, found, limit, unit, at, seen_within_mm: None, broken }
+        let is_of_motion = OF_MOTION.contains(&what);
+        Requirement { what, found, limit, unit, at, seen_within_mm: None, is_of_motion, broken }
     };
     let Findings { saturations, end_error_mm, .. } = *found;
     let last = found.last;
@@ -173,12 +181,13 @@ pub(crate) fn requirements<const D: usize>(
         ),
     ];
     all.extend(filament);
-    all.extend(found.axes.iter().map(|finding| {
-        let AxisFinding { taken, periods, is_hidden, .. } = finding;
+    all.extend(found.limits.iter().map(|finding| {
+        let LimitFinding { limit, taken, periods, is_hidden } = finding;
         let over = if *periods == 1 { "a period".to_string() } else { format!("{periods} periods") };
-        let broken = format!("{} {:.3} times its limit, seen over {over}", finding.what(), taken.figure);
-        let row = one(finding.what(), (taken.figure, 1.0 + AXIS_SLACK, "ratio"), taken.at, broken);
-        Requirement { seen_within_mm: is_hidden.then_some(found.seen_within_mm), ..row }
+        let broken = format!("{} {:.3} times its limit, seen over {over}", limit.what(), taken.figure);
+        let row = one(limit.what(), (taken.figure, 1.0 + LIMIT_SLACK, "ratio"), taken.at, broken);
+        let seen_within_mm = is_hidden.then_some(found.seen_within_mm);
+        Requirement { seen_within_mm, is_of_motion: true, ..row }
     }));
     all
 }

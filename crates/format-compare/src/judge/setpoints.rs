@@ -3,20 +3,26 @@
 use std::sync::{Mutex, PoisonError};
 
 use nurbs_core::Evaluate;
+use real::FormatName;
 use serde::Serialize;
 
+use crate::judge::judged_run::JudgedRun;
+use crate::judge::judgement::Judgement;
 use crate::judge::metrics::JudgedStep;
 use crate::judge::reference::{Reached, Reference};
+use crate::judge::stated_limits::stated_limits;
+use crate::judge::tally::Tally;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::observer::Observer;
+use crate::run::options::Options;
 use crate::run::run::{AboutRun, RunStep};
 
 /// One setpoint with the figures that the reference finds for it.
 #[derive(Clone, Debug, Serialize)]
 pub struct SetpointRow {
     /// Number of the period, from 1.
-    pub step: usize,
+    pub step: u64,
     /// Time at the setpoint, in s.
     pub time_s: f64,
     /// Index of the knot span, over all curves.
@@ -37,42 +43,52 @@ pub struct SetpointRow {
     pub evaluations: u32,
 }
 
-/// An observer that hands on a row for each period, in order, and keeps none.
+/// An observer that judges the periods, hands on a row for each, in order, and keeps none.
 struct Rows<'a, const D: usize, S> {
     reference: &'a Reference<'a, D>,
     problem: &'a Problem<D>,
     spans_before: Vec<usize>,
+    starts_at_rest: bool,
     state: Mutex<State<D, S>>,
 }
 
 struct State<const D: usize, S> {
     at: Reached<D>,
-    steps: usize,
+    tally: Tally,
     show: S,
 }
 
 impl<const D: usize> Reference<'_, D> {
-    /// Makes the run of `run` and hands `show` a row for each period, in order.
+    /// Makes the run in a format that `run` makes, hands `show` a row for each period, in order, and judges the run. With overrides the
+    /// feed may be up to the highest of them.
     ///
     /// # Errors
     /// As `run`.
     pub fn show_setpoints(
         &self,
         problem: &Problem<D>,
+        (format, options): (FormatName, &Options),
         run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
         show: impl FnMut(&SetpointRow) + Send,
-    ) -> Result<AboutRun, Refusal> {
+    ) -> Result<JudgedRun, Refusal> {
         let mut spans_before = vec![0];
         for curve in &problem.curves {
             spans_before.push(spans_before[spans_before.len() - 1] + curve.as_curve().span_count());
         }
-        let state = Mutex::new(State { at: self.start(), steps: 0, show });
-        run(&Rows { reference: self, problem, spans_before, state })
+        let highest = options.overrides.as_ref().map_or(1.0, |commands| commands.commanded_share().recip());
+        let tally = Tally::new(problem.full_step_mm(), &stated_limits(problem, highest));
+        let state = Mutex::new(State { at: self.start(), tally, show });
+        let starts_at_rest = options.starts_at_rest();
+        let rows = Rows { reference: self, problem, spans_before, starts_at_rest, state };
+        let about = run(&rows)?;
+        let State { at, tally, .. } = rows.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let judgement = Judgement { tally, end_error_mm: self.end_error_mm(&at), trace: None };
+        Ok(JudgedRun::of((format, options.engine), problem, &about, &judgement))
     }
 }
 
 impl<const D: usize, S: FnMut(&SetpointRow)> Rows<'_, D, S> {
-    fn row(&self, number: usize, step: &RunStep, judged: &JudgedStep) -> SetpointRow {
+    fn row(&self, number: u64, step: &RunStep, judged: &JudgedStep) -> SetpointRow {
         let curve = self.problem.curves[step.curve].as_curve();
         let u = step.u.0;
         let span = curve.knots().span_number(u);
@@ -100,10 +116,12 @@ impl<const D: usize, S: FnMut(&SetpointRow) + Send> Observer for Rows<'_, D, S> 
     fn look(&self, _: usize, steps: &mut dyn Iterator<Item = RunStep>) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         for step in steps {
-            let judged = self.reference.judge_next(&mut state.at, &step);
-            state.steps += 1;
-            let row = self.row(state.steps, &step, &judged);
-            (state.show)(&row);
+            let State { at, tally, show } = &mut *state;
+            let begins = tally.differences.begins_section() && (tally.steps > 0 || self.starts_at_rest);
+            let standing = begins.then(|| self.reference.start_of(at, &step));
+            let judged = self.reference.judge_next(at, &step);
+            tally.add_from(standing, &step, &judged);
+            show(&self.row(tally.steps, &step, &judged));
         }
     }
 

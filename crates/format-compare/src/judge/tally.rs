@@ -1,7 +1,7 @@
 //! The figures of a run, added up while it is made: the memory does not grow with the time that the run takes.
 
-use crate::judge::axis_limits::{AxisBounds, AxisLimits, Setpoint};
 use crate::judge::metrics::{ChordTally, CountTally, Fluctuation, FluctuationTally, JudgedStep};
+use crate::judge::stated_limits::{Differences, Setpoint, StatedLimit, Way};
 use crate::judge::worst::{StepPlace, Worst};
 use crate::run::run::RunStep;
 
@@ -15,14 +15,14 @@ pub(crate) struct Tally {
     pub(crate) chord_error_mm: Worst,
     pub(crate) corner_error_mm: Worst,
     pub(crate) position_error_mm: Worst,
-    pub(crate) axes: AxisLimits,
+    pub(crate) differences: Differences,
     /// The last step, and whether it ends at rest.
     pub(crate) last: Option<StepPlace>,
     ends_at_rest: bool,
 }
 
 impl Tally {
-    pub(crate) fn new(full_step_mm: f64, axes: [AxisBounds; 3]) -> Self {
+    pub(crate) fn new(full_step_mm: f64, limits: &[StatedLimit]) -> Self {
         Self {
             steps: 0,
             fluctuation: FluctuationTally::new(full_step_mm),
@@ -31,7 +31,7 @@ impl Tally {
             chord_error_mm: Worst::default(),
             corner_error_mm: Worst::default(),
             position_error_mm: Worst::default(),
-            axes: AxisLimits::new(axes),
+            differences: Differences::new(limits),
             last: None,
             ends_at_rest: false,
         }
@@ -40,18 +40,25 @@ impl Tally {
     /// Begins a part of a run, whose first step is judged when the part is joined to those before.
     pub(crate) fn begin_part(&mut self, first: &RunStep) {
         let at = StepPlace { index: 0, curve: first.curve, point_mm: first.point_mm };
-        // Until it is judged, it is taken for one that passes a corner.
         let ends_at_rest = first.feed_mm_per_s == 0.0;
-        self.axes.begin_part(Setpoint { at, passes_corner: true, ends_at_rest });
+        // Until it is judged, it is taken for one that passes a corner, and its step may be as long as it likes.
+        let (feed_mm, passes_corner) = (f64::INFINITY, true);
+        self.differences.begin_part(Setpoint {
+            at,
+            way: Way::default(),
+            feed_mm,
+            passes_corner,
+            ends_at_rest,
+        });
     }
 
     /// Adds the next step, which begins at `standing_mm` if it begins a section.
     pub(crate) fn add_from(&mut self, standing_mm: Option<[f64; 3]>, step: &RunStep, judged: &JudgedStep) {
         let setpoint = self.add(step, judged);
-        self.axes.add(standing_mm, setpoint);
+        self.differences.add(standing_mm, step_of(judged), setpoint);
     }
 
-    /// Adds the next step, but for what the axes take in it.
+    /// Adds the next step, but for the limits that the machine states.
     fn add(&mut self, step: &RunStep, judged: &JudgedStep) -> Setpoint {
         let place = StepPlace { index: self.steps, curve: step.curve, point_mm: step.point_mm };
         self.steps += 1;
@@ -64,7 +71,11 @@ impl Tally {
         self.position_error_mm.add(judged.position_error_mm, place);
         let ends_at_rest = step.feed_mm_per_s == 0.0;
         (self.last, self.ends_at_rest) = (Some(place), ends_at_rest);
-        Setpoint { at: place, passes_corner: judged.passes_corner, ends_at_rest }
+        if let Some(turn) = judged.turn {
+            self.differences.add_corner(turn, judged.arc_mm, place);
+        }
+        let (feed_mm, passes_corner) = (judged.feed_mm, judged.turn.is_some());
+        Setpoint { at: place, way: Way::default(), feed_mm, passes_corner, ends_at_rest }
     }
 
     /// Adds the part of the run that follows, with its first step, which begins at rest at `standing_mm`, if that is known.
@@ -74,6 +85,7 @@ impl Tally {
         (first, judged): (&RunStep, &JudgedStep),
         other: Self,
     ) {
+        let way = step_of(judged);
         let first = self.add(first, judged);
         let before = self.steps;
         self.steps += other.steps;
@@ -89,7 +101,7 @@ impl Tally {
                 own.add(other.figure, at.later(before));
             }
         }
-        self.axes.join(standing_mm, first, other.axes, |place| place.later(before));
+        self.differences.join(standing_mm, way, first, other.differences, |place| place.later(before));
         if let Some(last) = other.last {
             (self.last, self.ends_at_rest) = (Some(last.later(before)), other.ends_at_rest);
         }
@@ -114,6 +126,11 @@ impl Tally {
     }
 }
 
+/// The way of a step.
+fn step_of(judged: &JudgedStep) -> Way {
+    Way { arc_mm: judged.arc_mm, chords_mm: judged.chord_mm }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,10 +139,13 @@ mod tests {
         JudgedStep {
             wanted_mm: chord_mm,
             chord_mm,
+            arc_mm: chord_mm,
+            feed_mm: chord_mm,
             shortfall_mm: 0.0,
             commanded_shortfall_mm: 0.0,
             chord_error_mm: 0.0,
             passes_corner: false,
+            turn: None,
             position_error_mm: 0.0,
         }
     }
@@ -144,7 +164,7 @@ mod tests {
     #[test]
     fn the_jerk_of_a_run_has_its_last_step_in_it() {
         let jerk = |chords: &[f64], last_feed: f64, period_s: f64| {
-            let mut tally = Tally::new(1.0, [[None; 3]; 3]);
+            let mut tally = Tally::new(1.0, &[]);
             chords.iter().for_each(|chord| tally.add_from(None, &step(last_feed), &judged(*chord)));
             tally.jerk_max_mm_per_s3(period_s)
         };

@@ -191,10 +191,13 @@ mod tests {
                 let judged = JudgedStep {
                     wanted_mm: 1.0,
                     chord_mm: 1.0 - shortfall_mm,
+                    arc_mm: 1.0 - shortfall_mm,
+                    feed_mm: 1.0,
                     shortfall_mm,
                     commanded_shortfall_mm: 0.0,
                     chord_error_mm: f64::from(period) * 1e-9,
                     passes_corner: false,
+                    turn: None,
                     position_error_mm: 0.0,
                 };
                 trace.add(&step, &judged);

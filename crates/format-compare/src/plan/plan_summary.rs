@@ -8,6 +8,7 @@ use feed_plan::{
     jerk_free_duration, least_duration,
 };
 use nurbs_core::{Evaluate, FastCurve};
+use part_program::{Junction, Machine};
 use real::{DoubleDouble, Real};
 use serde::Serialize;
 
@@ -171,6 +172,37 @@ impl PlanSummary {
             stage_count: stages.len(),
             stages,
         })
+    }
+}
+
+impl PlanSummary {
+    /// The limits of the machine that the plan breaks by more than its last digits, each with how many times it is taken. What axes take at
+    /// corners that are passed counts for nothing here, for the machine rounds them or lets the velocity jump.
+    #[must_use]
+    pub fn broken(&self, machine: &Machine) -> Vec<String> {
+        let along = [
+            (
+                "acceleration along the path".to_string(),
+                self.acceleration_max_mm_per_s2,
+                Some(self.acceleration_limit_mm_per_s2),
+            ),
+            ("jerk along the path".to_string(), self.jerk_max_mm_per_s3, Some(self.jerk_limit_mm_per_s3)),
+        ];
+        let of_axis = |peak: &AxisPeak| {
+            let (name, limits) = (peak.axis.to_uppercase(), peak.limits);
+            [
+                ("velocity", peak.velocity_max_mm_per_s, limits.velocity_mm_per_s),
+                ("acceleration", peak.acceleration_max_mm_per_s2, limits.acceleration_mm_per_s2),
+                ("jerk", peak.jerk_max_mm_per_s3, limits.jerk_mm_per_s3),
+            ]
+            .map(|(what, found, most)| (format!("{what} of {name}"), found, most))
+        };
+        let axes = self.axes.iter().filter(|_| machine.junction == Junction::Stop).flat_map(of_axis);
+        let over = |(what, found, most): (String, f64, Option<f64>)| {
+            let share = found / most?;
+            (!(share <= 1.0 + SLACK)).then(|| format!("{what} {share:.3} times its limit"))
+        };
+        along.into_iter().chain(axes).filter_map(over).collect()
     }
 }
 
@@ -361,6 +393,9 @@ fn shape_name<R>(shape: StageShape<R>) -> &'static str {
         StageShape::Bent(_) => "bent",
     }
 }
+
+/// Peaks are found by sampling, to a ten-thousandth or so.
+const SLACK: f64 = 1e-3;
 
 /// A stage counts as travelled at the commanded feed if its feed is lower by at most this share. The time is stretched
 /// to whole periods, which lowers every feed by a thousandth or so: see [`PlanSummary::feed_over_commanded`].

@@ -89,14 +89,30 @@ pub fn arc_length<R: Real, const D: usize>(
     let rule = GaussLegendre::new();
     let (start, end) = (from.min(to), from.max(to));
     let mut total = ArcLength { length: R::zero(), estimated_error: R::zero() };
-    for span in 0..curve.span_count() {
+    for span in first_span_after(curve, start)..curve.span_count() {
         let (a, b) = curve.span_bounds(span);
         let (a, b) = (a.max(start), b.min(end));
         if a < b {
             total = total.plus(rule.adaptive(curve, span, a, b, tolerance));
+        } else if end <= a {
+            break;
         }
     }
     total
+}
+
+/// The first span that ends behind a parameter, by bisection; the number of spans if none does.
+fn first_span_after<R: Real, const D: usize>(curve: &impl Differentiate<R, D>, u: R) -> usize {
+    let (mut first, mut end) = (0, curve.span_count());
+    while first < end {
+        let middle = first + (end - first) / 2;
+        if curve.span_bounds(middle).1 > u {
+            end = middle;
+        } else {
+            first = middle + 1;
+        }
+    }
+    first
 }
 
 /// The parameter u at which the arc length from `from` is `length`: the inverse of [`arc_length`].
