@@ -1,13 +1,13 @@
-//! Cube roots of floats without std.
+//! Cube roots without std.
 
 use real::Real;
 
 /// ∛x of a positive number: `y ← (x y)^(1/4)` ends there, a quarter of the error left each time.
-pub(crate) fn cube_root(x: f64) -> f64 {
-    if !(x > 0.0 && x < f64::MAX) {
-        return x.max(0.0);
+pub(crate) fn cube_root<R: Real>(x: R) -> R {
+    if !(x > R::zero() && x < R::max_value()) {
+        return x.max(R::zero());
     }
-    (0..60).fold(x, |y, _| Real::sqrt(Real::sqrt(x) * Real::sqrt(y)))
+    (0..60).fold(x, |y, _| (x.sqrt() * y.sqrt()).sqrt())
 }
 
 #[cfg(test)]

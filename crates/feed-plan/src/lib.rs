@@ -74,6 +74,8 @@ extern crate alloc;
 #[cfg(feature = "alloc")]
 mod chord_error;
 #[cfg(feature = "alloc")]
+mod cube_root;
+#[cfg(feature = "alloc")]
 mod error;
 #[cfg(feature = "alloc")]
 mod limits;
@@ -104,6 +106,7 @@ mod limit {
     pub(crate) mod junctions;
     pub(crate) mod lowered_samples;
     mod places;
+    mod rounded_moves;
     pub(crate) mod sample;
     pub(crate) mod scan;
     pub(crate) mod span_walk;
@@ -155,7 +158,6 @@ mod plan {
 mod axes {
     mod arcs;
     mod check;
-    mod cube_root;
     mod geometry;
     mod grid;
     mod pentadiagonal;

@@ -9,9 +9,9 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::axes::cube_root::cube_root;
 use crate::axes::spline::Spline;
 use crate::axes::way::Way;
+use crate::cube_root::cube_root;
 use crate::limits::AXES;
 
 /// How much farther from a rest each place of the first profile is.

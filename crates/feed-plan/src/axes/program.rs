@@ -21,9 +21,9 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::axes::cube_root::cube_root;
 use crate::axes::pentadiagonal::Pentadiagonal;
 use crate::axes::spline::Functional;
+use crate::cube_root::cube_root;
 
 /// Steps end this far from where the first slack or multiplier would vanish.
 const TO_THE_BOUNDARY: f64 = 0.995;

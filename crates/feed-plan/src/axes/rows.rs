@@ -19,12 +19,12 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::axes::cube_root::cube_root;
 use crate::axes::geometry::Bend;
 use crate::axes::grid::Grid;
 use crate::axes::program::{Program, Row, Term};
 use crate::axes::spline::{Cell, Functional, cells};
 use crate::axes::way::{Strain, Way};
+use crate::cube_root::cube_root;
 use crate::limits::AXES;
 
 /// Shares of the limits that hold on each cell: 1, or less where a solution broke one between the places of its rows.

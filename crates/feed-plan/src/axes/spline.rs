@@ -20,7 +20,7 @@
 
 use alloc::vec::Vec;
 
-use crate::axes::cube_root::cube_root;
+use crate::cube_root::cube_root;
 
 /// A linear function of the unknowns: weights of three neighbours, the first of them at an index.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

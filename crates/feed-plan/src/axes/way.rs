@@ -4,8 +4,8 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::KinematicLimits;
-use crate::axes::cube_root::cube_root;
 use crate::axes::geometry::{Bend, Geometry, Piece};
+use crate::cube_root::cube_root;
 use crate::limits::AXES;
 
 /// Share of the time A/J over which a motion is looked at as one.

@@ -227,11 +227,11 @@ impl<R: Real> AxisBudget<R> {
     /// The largest feed, up to `feed`, at which the axes' jerk can follow a step of the curvature.
     pub(crate) fn feed_over(&self, step: &[R; AXES], feed: R) -> R {
         let pairs = self.axes.iter().zip(step);
-        pairs.fold(feed, |feed, (axis, step)| match axis.jerk {
-            Some(most) if *step * feed * feed > most * self.period => {
-                feed.min((most * self.period / *step).sqrt())
-            }
-            _ => feed,
+        pairs.fold(feed, |feed, (axis, step)| {
+            let Some(most) = axis.jerk.map(|most| most * self.period * R::from_ratio(2, 3)) else {
+                return feed;
+            };
+            if *step * feed * feed > most { feed.min((most / *step).sqrt()) } else { feed }
         })
     }
 

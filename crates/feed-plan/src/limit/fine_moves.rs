@@ -42,6 +42,7 @@ use real::Real;
 
 use crate::limit::broken_chord::{Chord, PathPoint, SLACK, crossing};
 use crate::limit::lowered_samples::{lower_acceleration_around, lower_around};
+use crate::limit::rounded_moves::RoundedMoves;
 use crate::limit::sample::ScannedSample;
 use crate::limit::span_walk::tangent_rounding;
 use crate::limit::turning_limits::{TurningLimits, reserve_over};
@@ -87,6 +88,9 @@ pub(crate) struct FineMoves<R, const D: usize> {
     /// The distance by which a single corner may be cut, with [`Junction::Deviation`].
     deviation: Option<R>,
     turning: Option<TurningLimits<R>>,
+    rounded: Option<RoundedMoves<R>>,
+    /// The last feed at which the axes can follow rounded moves.
+    last_feed: R,
     /// Half of the last chord that limited the feed.
     last_half: R,
 }
@@ -103,17 +107,22 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let allowed = deviation.map_or(limits.chord_error, |most| most.max(limits.chord_error));
         let reaches_whole_step = turning.is_some() || deviation.is_some();
         let alone = limits.chord_error.ldexp(1) / half_step;
+        let rounded = RoundedMoves::new(limits);
+        let of_chord = half_step + if reaches_whole_step { half_step } else { half_step.ldexp(-2) };
+        let reach = rounded.as_ref().map_or(of_chord, |moves| of_chord.max(moves.reach(limits.feedrate)));
         Self {
             places: Vec::new(),
             full: FEW,
             breaks: VecDeque::new(),
             negligible: tangent_rounding::<R>().max(alone.ldexp(NOTABLE)),
             half_step,
-            reach: half_step + if reaches_whole_step { half_step } else { half_step.ldexp(-2) },
+            reach,
             period,
             allowed,
             deviation,
             turning,
+            rounded,
+            last_feed: R::zero(),
             last_half: R::zero(),
         }
     }
@@ -228,6 +237,23 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         if let Some(limits) = &self.turning {
             self.limit_turning(limits, at, half.min(half_there).ldexp(1), samples);
         }
+        self.limit_rounded(at, samples);
+    }
+
+    /// Limits the feed to that at which the axes can follow the moves around a corner at this distance.
+    fn limit_rounded(&mut self, at: R, samples: &mut Vec<ScannedSample<R>>) {
+        let first = samples.partition_point(|sample| sample.point.distance < at);
+        let Some(feed) = samples.get(first).map(|sample| sample.point.feedrate) else { return };
+        let Some((found, way)) = self.rounded.as_ref().and_then(|moves| moves.feed(&self.places, at, feed))
+        else {
+            return;
+        };
+        let is_as_before =
+            self.last_feed >= found - found.ldexp(EVEN) && self.last_feed <= found + found.ldexp(EVEN - 4);
+        if !is_as_before {
+            self.last_feed = found;
+        }
+        lower_around(samples, at, way, self.last_feed);
     }
 
     /// The longest step that cuts a corner at this distance by no more than the deviation δ; `None` if steps at full

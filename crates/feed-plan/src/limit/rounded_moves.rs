@@ -1,0 +1,237 @@
+//! The feed along moves whose corners a machine may round, as far as its axes can follow.
+//!
+//! With [`Junction::Deviation`](crate::Junction::Deviation) the tool may leave the path by δ at corners. So the moves stand for any motion
+//! within δ of them, as a lone corner does for its rounding, or a string of short moves for the bend that it approximates. At the feed V,
+//! the k-th difference of such a motion over ways h is at most `M (h/V)ᵏ`, with M the limit of an axis for the k-th derivative, and that
+//! of the moves may be more by `2ᵏ δ`. Whatever the motion is, then,
+//!
+//! `V ≤ h (M/(|Δᵏ| - 2ᵏ δ))^(1/k)`
+//!
+//! for every h. Second differences are largest with the corner in the middle, third ones with it at one of the two inner places.
+
+use real::Real;
+
+use crate::cube_root::cube_root;
+use crate::limit::broken_chord::PathPoint;
+use crate::limits::AXES;
+use crate::{AxisLimits, Junction, KinematicLimits};
+
+/// Ways h are this many 32nds apart: about the root of 2, so that a bound is found to some hundredths.
+const APART: i32 = 45;
+/// The share of an axis' jerk, in quarters, that turning may use; what is left is for the feed, which changes on both sides of a corner.
+const OF_JERK: i32 = 3;
+/// Most ways that are looked at.
+const MOST_WAYS: usize = 48;
+/// The periods that a way takes at most.
+const LONGEST: i32 = 256;
+
+/// How far the path before and behind a corner matters, and what the axes can follow.
+#[derive(Clone, Debug)]
+pub(crate) struct RoundedMoves<R> {
+    axes: [AxisLimits<R>; AXES],
+    deviation: R,
+    period: R,
+    /// The longest way at a feed of 1, in periods.
+    longest: R,
+}
+
+impl<R: Real> RoundedMoves<R> {
+    /// `None` unless corners are rounded and an axis is limited.
+    pub(crate) fn new(limits: &KinematicLimits<R>) -> Option<Self> {
+        let Junction::Deviation(deviation) = limits.junction else { return None };
+        // A bend of radius R shows in ways of √(4 δ R) and ∛(8 δ R²), and at the feed V it may be as wide as V²/A and √(V³/J): three times
+        // as long a way finds its limit to a tenth.
+        let of_axis = |axis: &AxisLimits<R>| {
+            let by_acceleration =
+                axis.acceleration.map(|most| (deviation / most).sqrt() * R::from_ratio(6, 1));
+            let by_jerk = axis.jerk.map(|most| cube_root(deviation / most) * R::from_ratio(6, 1));
+            by_acceleration.into_iter().chain(by_jerk).reduce(R::max)
+        };
+        let longest = limits.axes.iter().filter_map(of_axis).reduce(R::max)?;
+        let period = limits.interpolation_period;
+        let longest = longest.min(period * R::from_ratio(LONGEST, 1));
+        Some(Self { axes: limits.axes, deviation, period, longest })
+    }
+
+    /// How far the path matters on both sides of a corner that is passed at a feed.
+    pub(crate) fn reach(&self, feed: R) -> R {
+        (self.longest * feed).ldexp(1)
+    }
+
+    /// The feed at which the axes can follow the moves around a corner at a distance, and the way on both sides for which it holds; `None` if
+    /// they can at `feed`.
+    pub(crate) fn feed<const D: usize>(&self, places: &[PathPoint<R, D>], at: R, feed: R) -> Option<(R, R)> {
+        let around = Around { places, at };
+        let (mut found, mut most) = (None, feed);
+        let mut way = self.deviation.ldexp(2).max(feed * self.period);
+        for _ in 0..MOST_WAYS {
+            if way > self.longest * feed {
+                break;
+            }
+            let least = self.feed_over(&around, way, most);
+            if least < most {
+                (found, most) = (Some((least, way)), least);
+            }
+            way = way * R::from_ratio(APART, 32);
+        }
+        found
+    }
+
+    /// The feed that the ways of one length allow, at most `most`.
+    fn feed_over<const D: usize>(&self, around: &Around<'_, R, D>, way: R, most: R) -> R {
+        let points = [-2, -1, 0, 1, 2].map(|times| around.point(way * R::from_ratio(times, 1)));
+        let [a, b, c, d, e] = points;
+        let (second, hidden) = (differences([b, c, d, None], [1, -2, 1, 0]), self.deviation.ldexp(2));
+        let thirds = [[a, b, c, d], [b, c, d, e]].map(|points| differences(points, [1, -3, 3, -1]));
+        let of_jerk = R::from_ratio(OF_JERK, 4);
+        let mut feed = most;
+        for (axis, limits) in self.axes.iter().enumerate().take(D) {
+            let by_acceleration = limits.acceleration.zip(second.map(|of| of[axis] - hidden));
+            if let Some((acceleration, over)) = by_acceleration.filter(|(_, over)| *over > R::zero()) {
+                feed = feed.min(way * (acceleration / over).sqrt());
+            }
+            let third = thirds.iter().flatten().map(|of| of[axis] - hidden.ldexp(1)).reduce(R::max);
+            if let Some((jerk, over)) = limits.jerk.zip(third).filter(|(_, over)| *over > R::zero()) {
+                feed = feed.min(way * cube_root(of_jerk * (jerk / over)));
+            }
+        }
+        feed
+    }
+}
+
+/// The magnitudes of a difference of points with these weights, one for each axis; `None` if a point is unknown whose weight is not 0.
+fn differences<R: Real, const D: usize>(points: [Option<[R; D]>; 4], weights: [i32; 4]) -> Option<[R; D]> {
+    let mut found = [R::zero(); D];
+    for (point, weight) in points.iter().zip(weights).filter(|(_, weight)| *weight != 0) {
+        let (point, weight) = (point.as_ref()?, R::from_ratio(weight, 1));
+        found = core::array::from_fn(|d| found[d] + point[d] * weight);
+    }
+    Some(found.map(R::abs))
+}
+
+/// The path around a place.
+struct Around<'a, R, const D: usize> {
+    places: &'a [PathPoint<R, D>],
+    at: R,
+}
+
+impl<R: Real, const D: usize> Around<'_, R, D> {
+    /// The point at a distance from the place; `None` beyond what is known, as behind a stop.
+    fn point(&self, from_here: R) -> Option<[R; D]> {
+        let distance = self.at + from_here;
+        let next = self.places.partition_point(|place| place.distance < distance);
+        let to = self.places.get(next)?;
+        if to.distance == distance {
+            return Some(to.point);
+        }
+        let from = self.places.get(next.checked_sub(1)?)?;
+        let share = (distance - from.distance) / (to.distance - from.distance);
+        Some(core::array::from_fn(|d| from.point[d] + (to.point[d] - from.point[d]) * share))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::limit::track::{arc, limit_along};
+    use crate::test_paths::paper_limits;
+    use crate::{AxisLimits, FeedLimit, Junction, KinematicLimits};
+
+    const DEVIATION: f64 = 0.01;
+
+    /// The paper's limits with corners that are rounded, and axes of this acceleration and jerk.
+    fn limits(acceleration: Option<f64>, jerk: Option<f64>) -> KinematicLimits<f64> {
+        let axis = AxisLimits { velocity: None, acceleration, jerk };
+        KinematicLimits { junction: Junction::Deviation(DEVIATION), axes: [axis; 3], ..paper_limits() }
+    }
+
+    fn least(limit: &FeedLimit<f64>) -> f64 {
+        limit.samples().iter().fold(f64::MAX, |least, sample| least.min(sample.lower))
+    }
+
+    /// By how much setpoints along moves at a constant feed exceed limits of acceleration and jerk, seen within the deviation, at all
+    /// windows; the first setpoint is at a share of a step.
+    fn excess(points: &[[f64; 2]], feed: f64, [acceleration, jerk]: [f64; 2], phase: f64) -> f64 {
+        let mut distances = vec![0.0];
+        for pair in points.windows(2) {
+            let step = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+            distances.push(distances[distances.len() - 1] + step);
+        }
+        let at = |distance: f64| {
+            let next = distances.partition_point(|to| *to < distance).clamp(1, points.len() - 1);
+            let share = (distance - distances[next - 1]) / (distances[next] - distances[next - 1]);
+            let [from, to] = [points[next - 1], points[next]];
+            [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
+        };
+        let count = (distances[distances.len() - 1] / feed) as usize;
+        let places: Vec<_> = (0..count).map(|i| at(feed * (i as f64 + phase))).collect();
+        let mut most = 0.0_f64;
+        for width in (0..9).map(|power| 1 << power) {
+            let h = width as f64;
+            for i in 3 * width..places.len() {
+                for axis in 0..2 {
+                    let [x, y, z, u] = [0, 1, 2, 3].map(|back| places[i - back * width][axis]);
+                    let second = (x - 2.0 * y + z).abs() - 4.0 * DEVIATION;
+                    let third = (x - 3.0 * y + 3.0 * z - u).abs() - 8.0 * DEVIATION;
+                    most = most.max(second / (acceleration * h * h)).max(third / (jerk * h * h * h));
+                }
+            }
+        }
+        most
+    }
+
+    /// A lone corner by the closed forms Δv = √(16 A δ) and ∛(432 · ¾ J δ²), for one axis in the direction of the turn.
+    #[test]
+    fn a_lone_corner_has_the_feed_of_the_closed_form() {
+        let jerk = 1e-6;
+        for degrees in [20.0_f64, 45.0, 90.0] {
+            let half = degrees.to_radians() / 2.0;
+            let points =
+                [[-20.0 * half.cos(), 20.0 * half.sin()], [0.0, 0.0], [20.0 * half.cos(), 20.0 * half.sin()]];
+            let found = least(&limit_along(&points, &limits(None, Some(jerk))));
+            let closed = (432.0 * 0.75 * jerk * DEVIATION * DEVIATION).cbrt() / (2.0 * half.sin());
+            assert!((1.0 - 1e-9..1.03).contains(&(found / closed)), "{degrees}: {found} {closed}");
+            for phase in [0.0, 0.3, 0.5, 0.9] {
+                let excess = excess(&points, found, [1.0, jerk], phase);
+                assert!((0.5..0.85).contains(&excess), "{degrees}: {excess}");
+            }
+        }
+        // The junction's own formula asks for less than half of such an acceleration.
+        let corner = [[-20.0, 0.0], [0.0, 0.0], [0.0, 20.0]];
+        let [free, slow] =
+            [None, Some(1e-4)].map(|acceleration| least(&limit_along(&corner, &limits(acceleration, None))));
+        let closed = (16.0 * 1e-4 * DEVIATION).sqrt();
+        assert!(slow < free && (1.0 - 1e-9..1.03).contains(&(slow / closed)), "{free} {slow} {closed}");
+    }
+
+    /// A circle in moves that each turn little is a bend: √(A R) and ∛(¾ J R²), for a motion within δ of it is hardly wider.
+    #[test]
+    fn a_circle_of_short_moves_is_the_bend_that_it_stands_for() {
+        for radius in [2.0, 5.0, 20.0] {
+            let points = arc(radius, 0.1, 3.0);
+            let (acceleration, jerk) = (2e-3, 1e-5);
+            let by_acceleration = least(&limit_along(&points, &limits(Some(acceleration), None)));
+            let by_jerk = least(&limit_along(&points, &limits(None, Some(jerk))));
+            let bends = [(acceleration * radius).sqrt(), (0.75 * jerk * radius * radius).cbrt()];
+            for (found, bend) in [by_acceleration, by_jerk].into_iter().zip(bends) {
+                let expected = bend.min(0.6);
+                // Bends of fine moves leave a part of the acceleration to the feed.
+                assert!((0.8..1.2).contains(&(found / expected)), "{radius}: {found} of {expected}");
+            }
+            let both = least(&limit_along(&points, &limits(Some(acceleration), Some(jerk))));
+            for phase in [0.0, 0.5] {
+                let excess = excess(&points, both, [acceleration, jerk], phase);
+                assert!(excess <= 1.0, "{radius}: {excess}");
+            }
+        }
+    }
+
+    /// Moves that stay within the deviation of a straight line stand for it.
+    #[test]
+    fn moves_along_a_line_are_a_line() {
+        let points: Vec<_> =
+            (0..200_u32).map(|i| [0.2 * f64::from(i), if i % 2 == 0 { 0.0 } else { 1e-4 }]).collect();
+        let free = limit_along(&points, &limits(None, None));
+        let limited = limit_along(&points, &limits(None, Some(1e-7)));
+        assert_eq!(least(&free), least(&limited));
+    }
+}
