@@ -175,6 +175,7 @@ mod chords {
     mod corner_chords;
     pub(crate) mod feeds;
     mod joints;
+    pub(crate) mod kept;
     pub(crate) mod landing;
     pub(crate) mod lead;
     mod parts;

@@ -23,7 +23,8 @@ pub struct Planned<R> {
 
 impl<R: Real> Planned<R> {
     /// Plans a path in three steps: the limit with [`FeedLimit::along`], the plan in arcs with [`plan_with`], and the
-    /// plan [in chords](FeedLimit::in_chords).
+    /// plan [in chords](FeedLimit::in_chords). A section in which a run by the chords would take more than the acceleration or jerk of the
+    /// path is slowed down.
     ///
     /// # Errors
     /// As [`FeedLimit::along`] and [`plan_with`].
@@ -49,8 +50,25 @@ impl<R: Real> Planned<R> {
         kind: ProfileKind,
     ) -> Result<Self, PlanError> {
         let arcs = plan_with(&limit, limits, ends, kind)?;
-        let chords = limit.in_chords(curves, &arcs);
-        Ok(Self { limit, arcs, chords })
+        Ok(Self::kept(limit, arcs, curves, limits, kind))
+    }
+
+    /// A plan in arcs and in chords, slowed down where a run by the chords would not keep the limits of the path.
+    fn kept<const D: usize, C: Differentiate<R, D>>(
+        limit: FeedLimit<R>,
+        arcs: ScheduleBuf<R>,
+        curves: &[C],
+        limits: &KinematicLimits<R>,
+        kind: ProfileKind,
+    ) -> Self {
+        let (arcs, chords) = if kind == ProfileKind::WithoutLookAhead {
+            // Such a plan keeps them nowhere.
+            let chords = limit.in_chords(curves, &arcs);
+            (arcs, chords)
+        } else {
+            limit.kept_by_chords(curves, limits, arcs)
+        };
+        Self { limit, arcs, chords }
     }
 
     /// Curve and parameter of each rest on the way and at the end, in order. The path must be compiled with a joint at
@@ -75,8 +93,7 @@ impl Planned<f64> {
         limits: &KinematicLimits<f64>,
     ) -> Result<Self, PlanError> {
         let arcs = plan_within_axes(curves, limits, &limit, today)?;
-        let chords = limit.in_chords(curves, &arcs);
-        Ok(Self { limit, arcs, chords })
+        Ok(Self::kept(limit, arcs, curves, limits, ProfileKind::Fastest))
     }
 }
 

@@ -188,7 +188,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     /// Arc length up to the point that is found at a distance. The point is interpolated between limit points, and is a
     /// little off where the speed changes. At the end of a stage this error would be taken for a shortfall, and if it
     /// is negative, no later stage could make up for it.
-    fn length_to(&self, distance: R) -> R {
+    pub(crate) fn length_to(&self, distance: R) -> R {
         let (index, u) = self.parameter_at(distance);
         let is_resolved = self.is_resolved_at(distance);
         let before = self.limit.point_before(distance).filter(|point| is_resolved && point.curve == index);

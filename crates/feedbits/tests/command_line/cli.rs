@@ -168,7 +168,7 @@ fn what_positions_are_rounded_by_is_told_and_judged() {
     let folder = folder();
     let part = written(folder.path(), "slow.nc", "G21 G90 G17\nG0 X0 Y0\nG3 X30 Y0 R15 F60\n");
     let machine = "[machine]\ninterpolation_period_ms = 0.25\nfeedrate_mm_per_s = 1\nacceleration_mm_per_s2 = 1000\n\
-                   jerk_mm_per_s3 = 500000\nchord_error_mm = 0.001\nfluctuation_limit = 1e-4\n\
+                   jerk_mm_per_s3 = 5000000\nchord_error_mm = 0.001\nfluctuation_limit = 1e-4\n\
                    parameter_tolerance = 1e-6\nmax_iterations = 5\n";
     let compared = |more: &str| {
         let machine = written(folder.path(), "m.toml", &format!("{machine}{more}"));
