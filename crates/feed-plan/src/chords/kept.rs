@@ -17,8 +17,10 @@ use crate::{FeedLimit, KinematicLimits, Schedule, ScheduleBuf, Section, sections
 
 /// How often sections are slowed down, at most.
 const TRIALS: usize = 3;
-/// Arcs are found to about this share of a limit, 2⁻¹¹: less than that above it is no excess.
-const SEEN: i32 = -11;
+/// Less than 2⁻¹³ above a limit is no excess, for arcs are found to about so much of it. A section that takes more is slowed down to 2⁻¹⁰
+/// below the limit.
+const SEEN: i32 = -13;
+const BELOW: i32 = -10;
 /// A section is slowed down by no more than this share, 2⁻⁶. Where a bend of a few steps would take more, all of the section would pay for
 /// it, and the run is left to its judge.
 const MOST: i32 = -6;
@@ -105,8 +107,9 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         let over = |found: R, most: R| ((found - hidden) / most - R::one()).max(R::zero());
         let [a, j] = [over(judged.acceleration, acceleration), over(judged.jerk, jerk)];
         let seen = R::one().ldexp(SEEN);
-        let by_acceleration = if a > seen { (R::one() + a).sqrt() - R::one() } else { R::zero() };
-        let by_jerk = if j > seen { cube_root(R::one() + j) - R::one() } else { R::zero() };
+        let to = R::one() + R::one().ldexp(BELOW);
+        let by_acceleration = if a > seen { (to + a).sqrt() - R::one() } else { R::zero() };
+        let by_jerk = if j > seen { cube_root(to + j) - R::one() } else { R::zero() };
         let share = by_acceleration.max(by_jerk);
         if share > R::one().ldexp(MOST) { R::zero() } else { share }
     }
