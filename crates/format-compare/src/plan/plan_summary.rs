@@ -200,7 +200,8 @@ impl PlanSummary {
         let axes = self.axes.iter().filter(|_| machine.junction == Junction::Stop).flat_map(of_axis);
         let over = |(what, found, most): (String, f64, Option<f64>)| {
             let share = found / most?;
-            (!(share <= 1.0 + SLACK)).then(|| format!("{what} {share:.3} times its limit"))
+            let is_kept = share <= 1.0 + SLACK;
+            (!is_kept).then(|| format!("{what} {share:.3} times its limit"))
         };
         along.into_iter().chain(axes).filter_map(over).collect()
     }
