@@ -153,7 +153,7 @@ mod tests {
         for (scale, height) in [1.0, 2.0, 4.0].into_iter().flat_map(|scale| (1..=8).map(move |h| (scale, h)))
         {
             let height = scale * 0.25 * f64::from(height);
-            let point = |i: u32| [scale * f64::from(i), if i % 2 == 0 { height } else { 0.0 }];
+            let point = |i: u32| [scale * f64::from(i), if i.is_multiple_of(2) { height } else { 0.0 }];
             let points: Vec<_> = (0..12).map(point).collect();
             let knots = [0.0; 4].into_iter().chain((1..9).map(f64::from)).chain([9.0; 4]).collect();
             let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();

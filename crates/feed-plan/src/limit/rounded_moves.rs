@@ -162,14 +162,14 @@ mod tests {
             let [from, to] = [points[next - 1], points[next]];
             [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
         };
-        let count = (distances[distances.len() - 1] / feed) as usize;
-        let places: Vec<_> = (0..count).map(|i| at(feed * (i as f64 + phase))).collect();
+        let steps = (0..).map(|i| feed * (f64::from(i) + phase));
+        let places: Vec<_> = steps.take_while(|way| *way < distances[distances.len() - 1]).map(at).collect();
         let mut most = 0.0_f64;
         for width in (0..9).map(|power| 1 << power) {
             let h = width as f64;
             for i in 3 * width..places.len() {
-                for axis in 0..2 {
-                    let [x, y, z, u] = [0, 1, 2, 3].map(|back| places[i - back * width][axis]);
+                let four = [0, 1, 2, 3].map(|back| places[i - back * width]);
+                for [x, y, z, u] in [four.map(|place| place[0]), four.map(|place| place[1])] {
                     let second = (x - 2.0 * y + z).abs() - 4.0 * DEVIATION;
                     let third = (x - 3.0 * y + 3.0 * z - u).abs() - 8.0 * DEVIATION;
                     most = most.max(second / (acceleration * h * h)).max(third / (jerk * h * h * h));
@@ -228,8 +228,9 @@ mod tests {
     /// Moves that stay within the deviation of a straight line stand for it.
     #[test]
     fn moves_along_a_line_are_a_line() {
-        let points: Vec<_> =
-            (0..200_u32).map(|i| [0.2 * f64::from(i), if i % 2 == 0 { 0.0 } else { 1e-4 }]).collect();
+        let points: Vec<_> = (0..200_u32)
+            .map(|i| [0.2 * f64::from(i), if i.is_multiple_of(2) { 0.0 } else { 1e-4 }])
+            .collect();
         let free = limit_along(&points, &limits(None, None));
         let limited = limit_along(&points, &limits(None, Some(1e-7)));
         assert_eq!(least(&free), least(&limited));

@@ -623,10 +623,10 @@ mod tests {
         for (corner, hidden) in [(false, 0.0), (true, 1.0)] {
             let mut all = Differences::new(&[limit]);
             all.begin_part(setpoint(0, 0.0, false, true));
-            for index in 1..=50 {
+            for index in 1..=50_u32 {
                 let (sin, cos) = (f64::from(index) * step / radius).sin_cos();
                 let at =
-                    StepPlace { index: index as u64, curve: 0, point_mm: [radius * cos, radius * sin, 0.0] };
+                    StepPlace { index: index.into(), curve: 0, point_mm: [radius * cos, radius * sin, 0.0] };
                 let next = Setpoint { at, passes_corner: corner, ..setpoint(0, 0.0, false, false) };
                 all.add(None, of_length(step), next);
             }
@@ -716,9 +716,9 @@ mod tests {
                 for end in ends {
                     let mut part = Differences::new(&limits);
                     part.begin_part(Setpoint { passes_corner: true, ..point(begin) });
-                    for i in begin + 1..*end {
+                    for (i, step) in steps.iter().enumerate().take(*end).skip(begin + 1) {
                         let standing = part.begins_section().then(|| from(i));
-                        part.add(standing, of_length(steps[i].abs()), point(i));
+                        part.add(standing, of_length(step.abs()), point(i));
                     }
                     all.join(Some(from(begin)), of_length(steps[begin].abs()), point(begin), part, |at| at);
                     begin = *end;
