@@ -1,8 +1,8 @@
 //! Whether a run by chords keeps the acceleration and jerk of the path, and a plan that is slowed down where it does not.
 //!
 //! The chords of a plan are fitted to its arcs over whole changes of feed. Where the curvature changes within a few periods, an arc is
-//! longer than its chord by more or less than the plan has taken off, and the arcs of the run have an acceleration and a jerk of their own.
-//! They fall with the third power of the feed or faster, so a section is slowed down by what it takes, if that is little.
+//! longer than its chord by another amount than the plan has taken off, and the arcs of the run have an acceleration and a jerk of their own.
+//! They fall with the third power of the feed or faster, so a section is slowed down by as much as it needs, by 2⁻⁶ at most.
 
 use alloc::vec::Vec;
 
@@ -11,7 +11,7 @@ use real::Real;
 
 use crate::chords::shortfall::Path;
 use crate::cube_root::cube_root;
-use crate::plan::whole_periods::{round_up, stretch_section};
+use crate::plan::whole_periods::{MOST_PERIODS, round_up, stretch_section};
 use crate::schedule::section;
 use crate::{FeedLimit, KinematicLimits, Schedule, ScheduleBuf, Section, sections};
 
@@ -21,7 +21,7 @@ const TRIALS: usize = 3;
 /// below the limit.
 const SEEN: i32 = -13;
 const BELOW: i32 = -10;
-/// A section is slowed down by no more than this share, 2⁻⁶. Where a bend of a few steps would take more, all of the section would pay for
+/// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more, all of the section would pay for
 /// it, and the run is left to its judge.
 const MOST: i32 = -6;
 
@@ -36,9 +36,16 @@ impl<R: Real> FeedLimit<R> {
     ) -> (ScheduleBuf<R>, ScheduleBuf<R>) {
         let mut chords = self.in_chords(curves, &arcs);
         let path = Path::new(self, curves);
+        let most = R::one() + R::one().ldexp(MOST);
+        let longest: Vec<_> = sections(arcs.stages()).map(|section| section.duration() * most).collect();
         for _ in 0..TRIALS {
             let both = sections(arcs.stages()).zip(sections(chords.stages()));
-            let excess: Vec<_> = both.map(|(arcs, chords)| path.excess(&arcs, &chords, limits)).collect();
+            let excess = both.zip(&longest).map(|((arcs, chords), longest)| {
+                let share = path.excess(&arcs, &chords, limits);
+                let takes = arcs.duration() * (R::one() + share);
+                if takes > *longest { R::zero() } else { share }
+            });
+            let excess: Vec<_> = excess.collect();
             if !excess.iter().any(|excess| *excess > R::zero()) {
                 break;
             }
@@ -50,7 +57,7 @@ impl<R: Real> FeedLimit<R> {
     }
 }
 
-/// The plan with each section slowed down by these shares at least, to whole periods; `None` where its time is no number.
+/// The plan with each section slowed down by these shares at least, to whole periods; `None` where the time is no number or too long.
 fn slowed<R: Real>(plan: &ScheduleBuf<R>, shares: &[R]) -> Option<ScheduleBuf<R>> {
     let (mut slower, period) = (plan.clone(), plan.interpolation_period);
     let mut rest = slower.stages.as_mut_slice();
@@ -64,7 +71,7 @@ fn slowed<R: Real>(plan: &ScheduleBuf<R>, shares: &[R]) -> Option<ScheduleBuf<R>
         }
         rest = behind;
     }
-    Some(slower)
+    Some(slower).filter(|plan| plan.periods <= MOST_PERIODS)
 }
 
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
@@ -78,7 +85,10 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
             return R::zero();
         }
         let period = limits.interpolation_period;
-        let chords = Schedule::new(chords.stages(), period, u64::MAX);
+        let Some((periods, _)) = round_up(chords.duration() / period - R::one().half()) else {
+            return R::zero();
+        };
+        let chords = Schedule::new(chords.stages(), period, periods.into());
         let mut cursor = chords.start();
         let rounding = if R::IS_FLOATING { R::resolution() * self.limit.length() } else { R::resolution() };
         let (acceleration, jerk) =
@@ -93,7 +103,10 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
             let is_last = cursor.stage() >= chords.stages().len();
             reached = if is_last { stop } else { (reached + self.arc_of_step(reached, chord)).min(stop) };
             let length = if is_last { stop } else { self.length_to(reached) };
-            judged.add(length - at);
+            // A last step in motion takes the rest of the path, and is not judged.
+            if !is_last || last.end_feed.is_zero() {
+                judged.add(length - at);
+            }
             at = length;
             if is_last {
                 break;
@@ -110,8 +123,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         let to = R::one() + R::one().ldexp(BELOW);
         let by_acceleration = if a > seen { (to + a).sqrt() - R::one() } else { R::zero() };
         let by_jerk = if j > seen { cube_root(to + j) - R::one() } else { R::zero() };
-        let share = by_acceleration.max(by_jerk);
-        if share > R::one().ldexp(MOST) { R::zero() } else { share }
+        by_acceleration.max(by_jerk)
     }
 }
 
@@ -165,17 +177,19 @@ mod tests {
                     let both = sections(arcs.stages()).zip(sections(chords.stages()));
                     both.map(|(arcs, chords)| path.excess(&arcs, &chords, &limits)).fold(0.0, f64::max)
                 };
-                assert_eq!(excess(&planned.arcs, &planned.chords), 0.0, "{height} {kind:?}");
+                let left = excess(&planned.arcs, &planned.chords);
                 let plain = plan_with(&planned.limit, &limits, EndFeeds::default(), kind).unwrap();
-                if excess(&plain, &planned.limit.in_chords(&curves, &plain)) > 0.0 {
-                    let [after, before] =
-                        [&planned.arcs, &plain].map(|plan| plan.as_schedule().periods() as f64);
+                let [after, before] = [&planned.arcs, &plain].map(|plan| plan.as_schedule().periods() as f64);
+                let longest = before * (1.0 + 1.0 / 64.0);
+                assert!(left == 0.0 || after * (1.0 + left) > longest, "{height} {kind:?}: {left}");
+                assert!(after <= longest + 1.0, "{before} {after}");
+                if left == 0.0 && excess(&plain, &planned.limit.in_chords(&curves, &plain)) > 0.0 {
                     let duration = planned.arcs.as_schedule().duration();
                     assert!((duration - after).abs() < 1e-9 * duration, "{duration} {after}");
                     (repaired, slower) = (repaired + 1, slower.max(after / before - 1.0));
                 }
             }
         }
-        assert!(repaired > 2 && slower > 0.0 && slower < 0.05, "{repaired} {slower}");
+        assert!(repaired > 2 && slower > 0.0, "{repaired} {slower}");
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! `V ≤ h (M/(|Δᵏ| - 2ᵏ δ))^(1/k)`
 //!
-//! for every h. Second differences are largest with the corner in the middle, third ones with it at one of the two inner places.
+//! for every h; they are tried from 4 δ up to the way of 256 periods, and three quarters of a jerk are taken for M. Second differences are largest with the corner in the middle, third ones with it at one of the two inner places.
 
 use real::Real;
 
@@ -25,7 +25,7 @@ const MOST_WAYS: usize = 48;
 /// The periods that a way takes at most.
 const LONGEST: i32 = 256;
 
-/// How far the path before and behind a corner matters, and what the axes can follow.
+/// What axes can follow along moves whose corners are rounded.
 #[derive(Clone, Debug)]
 pub(crate) struct RoundedMoves<R> {
     axes: [AxisLimits<R>; AXES],
@@ -58,7 +58,7 @@ impl<R: Real> RoundedMoves<R> {
         (self.longest * feed).ldexp(1)
     }
 
-    /// The feed at which the axes can follow the moves around a corner at a distance, and the way on both sides for which it holds; `None` if
+    /// The feed at which the axes can follow the moves around a corner at a distance, and the way h on both sides that tells it; `None` if
     /// they can at `feed`.
     pub(crate) fn feed<const D: usize>(&self, places: &[PathPoint<R, D>], at: R, feed: R) -> Option<(R, R)> {
         let around = Around { places, at };
@@ -116,7 +116,7 @@ struct Around<'a, R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Around<'_, R, D> {
-    /// The point at a distance from the place; `None` beyond what is known, as behind a stop.
+    /// The point at a distance from the place, on the straight line between two that are known; `None` beyond these, as behind a stop.
     fn point(&self, from_here: R) -> Option<[R; D]> {
         let distance = self.at + from_here;
         let next = self.places.partition_point(|place| place.distance < distance);

@@ -127,7 +127,6 @@ impl JudgedRun {
             corner_error_mm: tally.corner_error_mm,
             position_error_mm: tally.position_error_mm,
             end_error_mm: judged.end_error_mm,
-            seen_within_mm,
             limits: tally.differences.findings(seen_within_mm, hidden_at_corners_mm(&problem.machine)),
             periods: tally.steps,
             last: tally.last,

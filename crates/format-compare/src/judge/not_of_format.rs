@@ -114,6 +114,7 @@ where
     };
     for tries in changes(problem, &options) {
         for Change { words, problem, options } in tries {
+            let Ok(reference) = Reference::new(&problem) else { continue };
             let Some(judged) = run(&problem, &reference, &options) else { continue };
             if judged.verdict.is_good() {
                 found.helps.push(Remedy { change: words, time_s: time(&judged) });

@@ -92,8 +92,7 @@ pub(crate) struct Findings {
     pub(crate) corner_error_mm: Worst,
     pub(crate) position_error_mm: Worst,
     pub(crate) end_error_mm: f64,
-    /// How far a motion may be from the setpoints, and what is taken of the limits that the machine states.
-    pub(crate) seen_within_mm: f64,
+    /// What is taken of the limits that the machine states.
     pub(crate) limits: Vec<LimitFinding>,
     /// Number of steps, and the place of the last.
     pub(crate) periods: u64,
@@ -182,12 +181,11 @@ pub(crate) fn requirements<const D: usize>(
     ];
     all.extend(filament);
     all.extend(found.limits.iter().map(|finding| {
-        let LimitFinding { limit, taken, periods, is_hidden } = finding;
+        let LimitFinding { limit, taken, periods, seen_within_mm } = finding;
         let over = if *periods == 1 { "a period".to_string() } else { format!("{periods} periods") };
         let broken = format!("{} {:.3} times its limit, seen over {over}", limit.what(), taken.figure);
         let row = one(limit.what(), (taken.figure, 1.0 + LIMIT_SLACK, "ratio"), taken.at, broken);
-        let seen_within_mm = is_hidden.then_some(found.seen_within_mm);
-        Requirement { seen_within_mm, is_of_motion: true, ..row }
+        Requirement { seen_within_mm: *seen_within_mm, is_of_motion: true, ..row }
     }));
     all
 }

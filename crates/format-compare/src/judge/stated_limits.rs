@@ -4,7 +4,9 @@
 //! mean of that derivative, weighted by a B-spline. If what is seen lies within r of such a motion, the difference may exceed that by
 //! 2ᵏ r and no more. So, over windows of w = 1, 2, 4, … periods,
 //!
-//! `excess = max (|Δ| - 2ᵏ r) / (M (wT)ᵏ)`:
+//! `excess = max (|Δ| - 2ᵏ r) / (M (wT)ᵏ)`,
+//!
+//! with r and the deviation together where a window holds a corner that may be rounded:
 //!
 //! above 1, no motion within r of the setpoints keeps the limit. A limit that is exceeded by little for long shows at a wide window, by
 //! much for a moment at a narrow one. Where no difference over single periods exceeds the limit, none over a wider window does, for it is
@@ -144,9 +146,20 @@ pub(crate) struct Setpoint {
     pub(crate) way: Way,
     /// The longest step that the blocks passed in it command, in mm.
     pub(crate) feed_mm: f64,
-    /// Whether the step passes a corner of the path.
+    /// Whether the step passes a corner of the path, or begins at one.
     pub(crate) passes_corner: bool,
+    /// That corner, once it is known.
+    pub(crate) corner: Option<Corner>,
     pub(crate) ends_at_rest: bool,
+}
+
+/// A corner that a step passes or begins at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corner {
+    /// By how much each component of the unit tangent changes.
+    pub(crate) turn: [f64; 3],
+    /// The arc length of the step, in mm.
+    pub(crate) step_mm: f64,
 }
 
 /// A difference, and the largest that its limit allows.
@@ -168,10 +181,30 @@ impl Taken {
 /// The differences that exceed their limit most: for each window, over ways without a corner and with one.
 type OfLimit = [[Taken; 2]; WINDOWS];
 
+/// What is taken of a limit.
+#[derive(Clone, Debug)]
+struct Judged {
+    limit: StatedLimit,
+    /// The largest shares over single periods, without a corner and with one.
+    raw: [Worst; 2],
+    windows: OfLimit,
+}
+
+impl Judged {
+    /// Keeps a difference over 2ʷ periods.
+    fn add(&mut self, window: usize, has_corner: bool, taken: Taken) {
+        let corner = usize::from(has_corner);
+        if let Some(at) = taken.over.at.filter(|_| window == 0) {
+            self.raw[corner].add(taken.share(0.0).figure, at);
+        }
+        keep_worse(&mut self.windows[window][corner], taken);
+    }
+}
+
 /// The differences of the setpoints of a run, of which steps are added, or parts are joined. A part holds whole sections.
 #[derive(Clone, Debug)]
 pub(crate) struct Differences {
-    limits: Vec<(StatedLimit, OfLimit)>,
+    limits: Vec<Judged>,
     /// Where the axes stand before the section, and the way there; `None` where that is not known, or they move.
     standing: Option<Places>,
     /// The last setpoints of the section, as far as a window reaches.
@@ -190,7 +223,10 @@ impl Differences {
     /// Of a run under these limits that begins at rest at a place, or in motion.
     pub(crate) fn new(limits: &[StatedLimit]) -> Self {
         Self {
-            limits: limits.iter().map(|limit| (*limit, OfLimit::default())).collect(),
+            limits: limits
+                .iter()
+                .map(|limit| Judged { limit: *limit, raw: Default::default(), windows: OfLimit::default() })
+                .collect(),
             standing: None,
             section: VecDeque::new(),
             waiting: None,
@@ -200,18 +236,17 @@ impl Differences {
         }
     }
 
-    /// Adds a step of `arc_mm` that passes or begins at a corner, at which the unit tangent changes by `turn`. The velocity jumps there by
-    /// at least what it would at the mean speed of the step, less what the path's acceleration changes in half a period.
-    pub(crate) fn add_corner(&mut self, turn: [f64; 3], arc_mm: f64, place: StepPlace) {
-        let is_acceleration = |limit: &StatedLimit| limit.of == Of::Path && limit.order == 1;
-        let most =
-            self.limits.iter().find(|(limit, _)| is_acceleration(limit)).map_or(0.0, |(limit, _)| limit.most);
-        let found_mm = (arc_mm - 0.5 * most).max(0.0);
-        for (limit, windows) in &mut self.limits {
-            let Of::Jump(axis) = limit.of else { continue };
-            let most_mm = limit.most / turn[axis];
+    /// Looks at a corner that a step passes or begins at. The velocity jumps there by at least what it would at the mean speed of the
+    /// step, less what the path's acceleration changes in half a period.
+    fn look_at_corner(&mut self, Corner { turn, step_mm }: Corner, place: StepPlace) {
+        let is_acceleration = |one: &&Judged| one.limit.of == Of::Path && one.limit.order == 1;
+        let most = self.limits.iter().find(is_acceleration).map_or(0.0, |one| one.limit.most);
+        let found_mm = (step_mm - 0.5 * most).max(0.0);
+        for judged in &mut self.limits {
+            let Of::Jump(axis) = judged.limit.of else { continue };
+            let most_mm = judged.limit.most / turn[axis];
             let over = Worst { figure: found_mm - most_mm, at: Some(place) };
-            keep_worse(&mut windows[0][1], Taken { over, found_mm, most_mm });
+            judged.add(0, true, Taken { over, found_mm, most_mm });
         }
     }
 
@@ -245,8 +280,8 @@ impl Differences {
         self.pass(next);
     }
 
-    /// Adds the part of the run that follows, whose first setpoint is `first`, one step behind `standing_mm`, where it begins at rest, if
-    /// that is known.
+    /// Adds the part of the run that follows. Its first setpoint is one step behind the place at which the axes stand, `None` if that is not
+    /// known.
     pub(crate) fn join(
         &mut self,
         standing_mm: Option<[f64; 3]>,
@@ -263,8 +298,13 @@ impl Differences {
         core::iter::once(first).chain(head).for_each(|setpoint| self.pass(setpoint));
         self.section.clear();
         self.waiting = None;
-        for ((_, own), (_, other)) in self.limits.iter_mut().zip(&other.limits) {
-            for (own, other) in own.iter_mut().flatten().zip(other.iter().flatten()) {
+        for (own, other) in self.limits.iter_mut().zip(&other.limits) {
+            for (own, other) in own.raw.iter_mut().zip(other.raw) {
+                if let Some(at) = other.at {
+                    own.add(other.figure, place(at));
+                }
+            }
+            for (own, other) in own.windows.iter_mut().flatten().zip(other.windows.iter().flatten()) {
                 if let Some(at) = other.over.at {
                     let at = Some(place(at));
                     keep_worse(own, Taken { over: Worst { at, ..other.over }, ..*other });
@@ -287,16 +327,23 @@ impl Differences {
 
     /// The axes stand behind a section, for as long as a window sees what came before.
     fn come_to_rest(&mut self, last: Setpoint) {
-        let standing = Setpoint { passes_corner: false, ..last };
+        let standing = Setpoint { passes_corner: false, corner: None, ..last };
         (0..3).for_each(|_| self.look(standing));
-        while self.open > 0 {
+        // Of a way that is no number all differences count as too large, at rest too.
+        for _ in 0..SPAN {
+            if self.open == 0 {
+                break;
+            }
             self.look(standing);
         }
         self.section.clear();
     }
 
-    /// Looks at the windows that end with a setpoint.
+    /// Looks at the windows that end with a setpoint, and at the corner that its step passes.
     fn look(&mut self, setpoint: Setpoint) {
+        if let Some(corner) = setpoint.corner {
+            self.look_at_corner(corner, setpoint.at);
+        }
         self.section.push_back(setpoint);
         if self.section.len() > SPAN {
             self.section.pop_front();
@@ -324,7 +371,8 @@ impl Differences {
         let at = self.section.back().map(|setpoint| setpoint.at);
         let differences = differences(&here, [before, far, farthest]);
         let mut exceeds = false;
-        for (limit, worst) in &mut self.limits {
+        for judged in &mut self.limits {
+            let limit = judged.limit;
             let found = match limit.of {
                 Of::Axis(axis) => differences[limit.order].map(|places| places[axis].abs()),
                 Of::Path => {
@@ -345,11 +393,14 @@ impl Differences {
             };
             let over = found_mm - most_mm;
             exceeds |= is_less(0.0, over);
-            let [without, with] = &mut worst[window];
-            if is_worse(without, over) || is_worse(with, over) {
+            let taken = Taken { over: Worst { figure: over, at }, found_mm, most_mm };
+            let share = taken.share(0.0).figure;
+            let is_more = |raw: &Worst| raw.at.is_none() || is_less(raw.figure, share);
+            if judged.windows[window].iter().any(|worst| is_worse(worst, over))
+                || window == 0 && judged.raw.iter().any(is_more)
+            {
                 let has_corner = passed().any(|setpoint| setpoint.passes_corner);
-                let taken = Taken { over: Worst { figure: over, at }, found_mm, most_mm };
-                keep_worse(if has_corner { with } else { without }, taken);
+                judged.add(window, has_corner, taken);
             }
         }
         exceeds
@@ -360,25 +411,25 @@ impl Differences {
     pub(crate) fn findings(&self, r_mm: f64, corner_mm: Option<f64>) -> Vec<LimitFinding> {
         let across = [Some(r_mm), corner_mm.map(|corner| r_mm + corner)];
         let along = [Some(r_mm); 2];
-        let of = |(limit, windows): &(StatedLimit, OfLimit)| {
-            let (mut raw, mut excess, mut periods) = (Worst::default(), Worst::default(), 1);
-            for (window, both) in windows.iter().enumerate() {
-                let within = if matches!(limit.of, Of::Path | Of::Jump(_)) { along } else { across };
+        let of = |judged: &Judged| {
+            let limit = judged.limit;
+            let within = if matches!(limit.of, Of::Path | Of::Jump(_)) { along } else { across };
+            let counted = judged.raw.iter().zip(within).filter(|(_, within)| within.is_some());
+            let raw = counted.map(|(raw, _)| *raw).fold(Worst::default(), greater);
+            let (mut excess, mut periods, mut seen_within_mm) = (Worst::default(), 1, r_mm);
+            for (window, both) in judged.windows.iter().enumerate() {
                 for (taken, within) in both.iter().zip(within) {
                     let (Some(_), Some(within)) = (taken.over.at, within) else { continue };
-                    let whole = taken.share(0.0);
-                    if window == 0 && is_less(raw.figure, whole.figure) {
-                        raw = whole;
-                    }
                     let seen = taken.share(power(2, limit.order) * within);
                     if is_less(excess.figure, seen.figure) {
-                        (excess, periods) = (seen, 1_usize << window);
+                        (excess, periods, seen_within_mm) = (seen, 1_usize << window, within);
                     }
                 }
             }
             let is_kept = raw.figure <= 1.0;
             let (taken, periods) = if is_kept { (raw, 1) } else { (excess, periods) };
-            LimitFinding { limit: *limit, taken, periods, is_hidden: !is_kept && taken.figure <= 1.0 }
+            let is_hidden = !is_kept && taken.figure <= 1.0;
+            LimitFinding { limit, taken, periods, seen_within_mm: is_hidden.then_some(seen_within_mm) }
         };
         self.limits.iter().map(of).collect()
     }
@@ -393,6 +444,11 @@ fn differences(here: &Places, behind: [Option<Places>; 3]) -> [Option<Places>; 3
         b.zip(c).map(|(b, c)| of(&|i| (here[i] - b[i]) - (b[i] - c[i]))),
         b.zip(c).zip(d).map(|((b, c), d)| of(&|i| (here[i] - d[i]) - 3.0 * (b[i] - c[i]))),
     ]
+}
+
+/// The one with the greater figure, of equal ones the first.
+fn greater(one: Worst, other: Worst) -> Worst {
+    if is_less(one.figure, other.figure) || one.at.is_none() { other } else { one }
 }
 
 fn is_worse(worst: &Taken, over: f64) -> bool {
@@ -418,8 +474,8 @@ pub(crate) struct LimitFinding {
     pub(crate) limit: StatedLimit,
     /// The largest difference over a period, as a share, where that is at most 1; else the largest excess.
     pub(crate) taken: Worst,
-    /// Whether the setpoints take more than the limit, and a motion near them does not.
-    pub(crate) is_hidden: bool,
+    /// How far a motion may be from setpoints that take more than the limit, where it keeps that, in mm.
+    pub(crate) seen_within_mm: Option<f64>,
     /// The periods of the window in which it shows.
     pub(crate) periods: usize,
 }
@@ -445,7 +501,14 @@ mod tests {
 
     fn setpoint(index: u64, x: f64, passes_corner: bool, ends_at_rest: bool) -> Setpoint {
         let at = StepPlace { index, curve: 0, point_mm: [x, 0.0, 0.0] };
-        Setpoint { at, way: Way::default(), feed_mm: f64::INFINITY, passes_corner, ends_at_rest }
+        Setpoint {
+            at,
+            way: Way::default(),
+            feed_mm: f64::INFINITY,
+            passes_corner,
+            corner: None,
+            ends_at_rest,
+        }
     }
 
     /// The run through these places, from rest at 0 and to rest.
@@ -665,6 +728,11 @@ mod tests {
 
     #[test]
     fn a_setpoint_that_is_no_number_keeps_no_limit() {
+        for last in [&[0.1, f64::NAN][..], &[f64::INFINITY, f64::INFINITY][..]] {
+            let found = judged([Some(1.0); 3], last, None).findings(1.0, Some(0.0));
+            let is_broken = |figure: f64| figure.is_nan() || figure > 1.0;
+            assert!(found.iter().all(|one| is_broken(one.taken.figure)), "{found:?}");
+        }
         let found = judged([Some(1.0); 3], &[0.1, f64::NAN, 0.2, 0.3], None).findings(1.0, Some(0.0));
         assert!(found.iter().all(|one| one.taken.figure.is_nan()), "{found:?}");
     }
@@ -724,7 +792,7 @@ mod tests {
                     begin = *end;
                 }
                 let figures = all.findings(0.01, Some(0.1)).into_iter();
-                figures.map(|one| (one.taken.figure, one.is_hidden)).collect::<Vec<_>>()
+                figures.map(|one| (one.taken.figure, one.seen_within_mm.is_some())).collect::<Vec<_>>()
             };
             let cut = (0..last).find(|i| *i >= cut && rests_at(*i)).map(|i| i + 1);
             let ends: Vec<usize> = cut.into_iter().chain([steps.len()]).collect();

@@ -1,7 +1,7 @@
 //! The figures of a run, added up while it is made: the memory does not grow with the time that the run takes.
 
 use crate::judge::metrics::{ChordTally, CountTally, Fluctuation, FluctuationTally, JudgedStep};
-use crate::judge::stated_limits::{Differences, Setpoint, StatedLimit, Way};
+use crate::judge::stated_limits::{Corner, Differences, Setpoint, StatedLimit, Way};
 use crate::judge::worst::{StepPlace, Worst};
 use crate::run::run::RunStep;
 
@@ -48,6 +48,7 @@ impl Tally {
             way: Way::default(),
             feed_mm,
             passes_corner,
+            corner: None,
             ends_at_rest,
         });
     }
@@ -71,11 +72,9 @@ impl Tally {
         self.position_error_mm.add(judged.position_error_mm, place);
         let ends_at_rest = step.feed_mm_per_s == 0.0;
         (self.last, self.ends_at_rest) = (Some(place), ends_at_rest);
-        if let Some(turn) = judged.turn {
-            self.differences.add_corner(turn, judged.arc_mm, place);
-        }
-        let (feed_mm, passes_corner) = (judged.feed_mm, judged.turn.is_some());
-        Setpoint { at: place, way: Way::default(), feed_mm, passes_corner, ends_at_rest }
+        let corner = judged.turn.map(|turn| Corner { turn, step_mm: judged.arc_mm });
+        let (feed_mm, passes_corner) = (judged.feed_mm, corner.is_some());
+        Setpoint { at: place, way: Way::default(), feed_mm, passes_corner, corner, ends_at_rest }
     }
 
     /// Adds the part of the run that follows, with its first step, which begins at rest at `standing_mm`, if that is known.
