@@ -86,6 +86,7 @@ mod cost {
 
 mod judge {
     mod arc;
+    pub(crate) mod differences;
     mod exact_curve;
     pub(crate) mod judged_run;
     pub(crate) mod judgement;

@@ -1,25 +1,25 @@
 //! The arc length of the path in a step, from the points at which its chord error is sampled.
 
-use nurbs_core::{FastCurve, arc_length, farthest_from_segment};
+use nurbs_core::{Evaluate, FastCurve, arc_length, farthest_from_segment};
 use real::Real;
 
 /// Parts into which a step is cut.
-pub(super) const PARTS: usize = 8;
+const PARTS: usize = 8;
 
-/// How far two extrapolations of the length may differ where it is taken: a share of it, and of the farthest coordinate, whose last
-/// place the points are rounded to.
+/// An extrapolated length is taken if it differs from the one before by no more than this share of it, and this share of the largest
+/// coordinate, to whose last place points are rounded.
 const AGREES: [f64; 2] = [1e-12, 8.0 * f64::EPSILON];
 
 /// A curve's part of a step: points at even distances of the parameter, its ends among them.
 pub(super) struct Sampled<const D: usize> {
-    pub(super) points: [[f64; D]; PARTS + 1],
+    points: [[f64; D]; PARTS + 1],
 }
 
 impl<const D: usize> Sampled<D> {
     /// The points from one parameter over a width to another.
     pub(super) fn of(curve: &FastCurve<'_, D>, begin: f64, width: f64) -> Self {
         let at = |part: usize| begin + width * part as f64 / PARTS as f64;
-        Self { points: std::array::from_fn(|part| nurbs_core::Evaluate::point(curve, at(part))) }
+        Self { points: std::array::from_fn(|part| curve.point(at(part))) }
     }
 
     /// The largest distance from a chord.

@@ -1,6 +1,5 @@
 //! The judge at work while a run is made.
 
-use crate::judge::metrics::JudgedStep;
 use crate::judge::reference::{Reached, Reference};
 use crate::judge::stated_limits::StatedLimit;
 use crate::judge::tally::Tally;
@@ -75,10 +74,10 @@ impl<const D: usize> Judge<'_, D> {
         let mut at = self.reference.reached_by(first);
         judged.others.begin_part(first);
         for step in steps {
-            let begins = judged.others.differences.begins_section();
-            let standing = begins.then(|| self.reference.start_of(&at, &step));
-            let figures = self.reference.judge_next(&mut at, &step);
-            judged.add(standing, &step, &figures);
+            let figures = judged.others.judge_next(self.reference, &mut at, &step, true);
+            if let Some(trace) = &mut judged.trace {
+                trace.add(&step, &figures);
+            }
         }
         judged.end = Some(at);
         (self.progress)(judged.others.steps + 1);
@@ -98,15 +97,6 @@ impl<const D: usize> Judge<'_, D> {
         if let Some((trace, of_others)) = trace.as_mut().zip(of_others) {
             trace.add(&first, &judged);
             trace.join(of_others);
-        }
-    }
-}
-
-impl<const D: usize> JudgedStretch<D> {
-    fn add(&mut self, standing_mm: Option<[f64; 3]>, step: &RunStep, judged: &JudgedStep) {
-        self.others.add_from(standing_mm, step, judged);
-        if let Some(trace) = &mut self.trace {
-            trace.add(step, judged);
         }
     }
 }

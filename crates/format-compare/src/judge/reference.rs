@@ -95,22 +95,21 @@ impl<'a, const D: usize> Reference<'a, D> {
         is_at_end.then(|| self.begin(at.0 + 1))
     }
 
-    /// The corners between two places of the path, and one at the first place if that counts: joints at which the tangent breaks and
-    /// which a run may pass. A corner at the last place is not between.
-    fn corners_between(&self, from: OnPath, to: OnPath, with_first: bool) -> &[Corner] {
+    /// The corners from one place of the path to another: joints at which the tangent breaks and which a run may pass. A corner at the
+    /// last place is none of them. Returned as well is how many of them lie at the first place, one or none.
+    fn corners_between(&self, from: OnPath, to: OnPath) -> (&[Corner], usize) {
         let order = |one: &Corner, other: OnPath| {
             let at = (one.u, 0.0).partial_cmp(&other.1).unwrap_or(Ordering::Equal);
             one.curve.cmp(&other.0).then(at)
         };
         if self.corners.is_empty() {
-            return &[];
+            return (&[], 0);
         }
         let from = self.begin_of_next(from).unwrap_or(from);
-        let is_before =
-            |corner: &Corner| order(corner, from).is_lt() || !with_first && order(corner, from).is_eq();
-        let begin = self.corners.partition_point(is_before);
+        let begin = self.corners.partition_point(|corner| order(corner, from).is_lt());
         let end = self.corners.partition_point(|corner| order(corner, to).is_lt());
-        self.corners.get(begin..end).unwrap_or_default()
+        let met = self.corners.get(begin..end).unwrap_or_default();
+        (met, met.iter().take_while(|corner| order(corner, from).is_eq()).count())
     }
 
     /// Measures each step of a run.
@@ -166,14 +165,15 @@ impl<'a, const D: usize> Reference<'a, D> {
     fn judge_step(&self, from: &Reached<D>, step: &RunStep, to: &Reached<D>) -> JudgedStep {
         let within =
             if from.at.0 == to.at.0 { self.exact[to.at.0].straight_chord(from.at.1, to.at.1) } else { None };
+        let (met, at_begin) = self.corners_between(from.at, to.at);
         let (chord, commanded, [arc_mm, chord_error_mm], passes_corner) = match within {
             Some(chord) => {
                 (chord, distance(&from.commanded, &to.commanded), [chord.value().abs(), 0.0], false)
             }
             None => {
-                let corners = self.corners_between(from.at, to.at, false).iter();
+                let passed = met.iter().skip(at_begin);
                 let corners: Vec<_> =
-                    corners.map(|corner| self.point((corner.curve, (corner.u, 0.0)))).collect();
+                    passed.map(|corner| self.point((corner.curve, (corner.u, 0.0)))).collect();
                 let measured = self.arc_and_chord_error_mm(from.at, step, &from.point, &to.point);
                 let [chord, commanded] = [[&from.point, &to.point], [&from.commanded, &to.commanded]]
                     .map(|[from, to]| legs(from, &corners, to));
@@ -191,16 +191,9 @@ impl<'a, const D: usize> Reference<'a, D> {
             commanded_shortfall_mm: wanted.value() - commanded.value(),
             chord_error_mm,
             passes_corner,
-            turn: self.turn(from.at, to.at),
+            turn: met.iter().map(|corner| corner.turn).reduce(sharper),
             position_error_mm: f64::norm(&off),
         }
-    }
-
-    /// By how much each component of the unit tangent changes at most at a corner between two places, or at the first; `None` if there
-    /// is none.
-    fn turn(&self, from: OnPath, to: OnPath) -> Option<[f64; 3]> {
-        let turns = self.corners_between(from, to, true).iter().map(|corner| corner.turn);
-        turns.reduce(|one, other| std::array::from_fn(|axis| one[axis].max(other[axis])))
     }
 
     /// The longest step that the curves passed from a place to one on a later curve, or the same, command.
@@ -285,6 +278,11 @@ fn corners<const D: usize>(problem: &Problem<D>) -> Vec<Corner> {
         arriving = Some(curve.derivatives_in(end, last).first);
     }
     corners
+}
+
+/// The larger change of each component of two turns.
+fn sharper(one: [f64; 3], other: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| one[axis].max(other[axis]))
 }
 
 /// By how much each component of the unit tangent changes from one derivative to another.

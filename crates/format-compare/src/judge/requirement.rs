@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::judge::stated_limits::LimitFinding;
+use crate::judge::differences::LimitFinding;
 use crate::judge::worst::{StepPlace, Worst};
 use crate::problem::problem::Problem;
 use crate::run::run::AboutRun;

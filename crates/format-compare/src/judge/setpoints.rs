@@ -117,10 +117,8 @@ impl<const D: usize, S: FnMut(&SetpointRow) + Send> Observer for Rows<'_, D, S> 
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         for step in steps {
             let State { at, tally, show } = &mut *state;
-            let begins = tally.differences.begins_section() && (tally.steps > 0 || self.starts_at_rest);
-            let standing = begins.then(|| self.reference.start_of(at, &step));
-            let judged = self.reference.judge_next(at, &step);
-            tally.add_from(standing, &step, &judged);
+            let begins_at_rest = tally.steps > 0 || self.starts_at_rest;
+            let judged = tally.judge_next(self.reference, at, &step, begins_at_rest);
             show(&self.row(tally.steps, &step, &judged));
         }
     }

@@ -1,7 +1,9 @@
 //! The figures of a run, added up while it is made: the memory does not grow with the time that the run takes.
 
+use crate::judge::differences::{Corner, Differences, Setpoint, Way};
 use crate::judge::metrics::{ChordTally, CountTally, Fluctuation, FluctuationTally, JudgedStep};
-use crate::judge::stated_limits::{Corner, Differences, Setpoint, StatedLimit, Way};
+use crate::judge::reference::{Reached, Reference};
+use crate::judge::stated_limits::StatedLimit;
 use crate::judge::worst::{StepPlace, Worst};
 use crate::run::run::RunStep;
 
@@ -53,8 +55,24 @@ impl Tally {
         });
     }
 
+    /// Judges the next step from a place, moves the place to the step's end, and adds the step. Where it begins a section, it begins at
+    /// rest if `begins_at_rest` says that it may.
+    pub(crate) fn judge_next<const D: usize>(
+        &mut self,
+        reference: &Reference<'_, D>,
+        at: &mut Reached<D>,
+        step: &RunStep,
+        begins_at_rest: bool,
+    ) -> JudgedStep {
+        let begins = begins_at_rest && self.differences.begins_section();
+        let standing_mm = begins.then(|| reference.start_of(at, step));
+        let judged = reference.judge_next(at, step);
+        self.add_from(standing_mm, step, &judged);
+        judged
+    }
+
     /// Adds the next step, which begins at `standing_mm` if it begins a section.
-    pub(crate) fn add_from(&mut self, standing_mm: Option<[f64; 3]>, step: &RunStep, judged: &JudgedStep) {
+    fn add_from(&mut self, standing_mm: Option<[f64; 3]>, step: &RunStep, judged: &JudgedStep) {
         let setpoint = self.add(step, judged);
         self.differences.add(standing_mm, step_of(judged), setpoint);
     }
