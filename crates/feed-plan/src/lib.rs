@@ -174,6 +174,7 @@ mod chords {
     #[cfg(test)]
     mod corner_chords;
     pub(crate) mod feeds;
+    mod followed;
     mod joints;
     pub(crate) mod kept;
     pub(crate) mod landing;

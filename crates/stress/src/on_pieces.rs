@@ -214,9 +214,9 @@ const SIXTY_DEGREES: f64 = 0.5;
 /// Cosine of a turn of 0.1° at a joint. Up to this turn the chord over the joint is checked against the chord error;
 /// over a sharper one against the deviation, if the plan does not stop there.
 const SMOOTH: f64 = 1.0 - 1.5e-6;
-/// The factor by which the chord error may exceed its limit. The plan takes the curve of a step as a circle of the
-/// radius at one point; the radius may change within the step.
-const CHORD_ERROR_SHARE: f64 = 1.5;
+/// The factor by which the chord error may exceed its limit, as in a verdict: the planner lowers the feed where a chord would leave the path
+/// by more than 1.004 times what is allowed.
+const CHORD_ERROR_SHARE: f64 = 1.005;
 /// The chord error of shorter chords is not checked. A run is within 1e-5 mm of its plan. In a bend so narrow that the
 /// plan passes it with steps as short as this, the run is not at the planned place.
 const SHORT_MM: f64 = 1e-4;

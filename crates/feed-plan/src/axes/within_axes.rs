@@ -31,7 +31,7 @@ use crate::axes::way::{Strain, Way};
 use crate::parallel::in_parallel;
 use crate::plan::least_duration::rough_duration_between;
 use crate::plan::stages::Stages;
-use crate::plan::whole_periods::{SLOWER, stretch_section, whole_periods};
+use crate::plan::whole_periods::{SLOWER, round_up, stretch_section, whole_periods};
 use crate::schedule::section::Section;
 use crate::{FeedLimit, FeedPiece, KinematicLimits, PlanError, ScheduleBuf, Stage};
 
@@ -82,35 +82,50 @@ pub fn plan_within_axes<const D: usize, C: Differentiate<f64, D> + Sync>(
     limit: &FeedLimit<f64>,
     today: &ScheduleBuf<f64>,
 ) -> Result<ScheduleBuf<f64>, PlanError> {
+    plan_some_within_axes((curves, limits, limit), today, today, |_| true)
+}
+
+/// The plan `latest` with each section anew that `is_again` says of its begin and end: as of `today`, or faster.
+pub(crate) fn plan_some_within_axes<const D: usize, C: Differentiate<f64, D> + Sync>(
+    (curves, limits, limit): (&[C], &KinematicLimits<f64>, &FeedLimit<f64>),
+    today: &ScheduleBuf<f64>,
+    latest: &ScheduleBuf<f64>,
+    is_again: impl Fn([f64; 2]) -> bool + Sync,
+) -> Result<ScheduleBuf<f64>, PlanError> {
     let Some(geometry) =
         limits.limit_accelerations_of_axes(D).then(|| Geometry::new(curves, limit)).flatten()
     else {
         return Ok(today.clone());
     };
-    let mut stages = Vec::with_capacity(today.stages.len());
-    let mut saved = 0_u64;
-    let sections: Vec<_> = today.as_schedule().sections().collect();
-    let found = in_parallel(&sections, |section| faster(&geometry, limits, limit, section));
-    for (section, found) in sections.iter().zip(found) {
-        match found {
-            Some((other, periods)) => {
-                stages.extend(other);
-                saved = saved.saturating_add(u64::from(periods));
-            }
-            None => stages.extend_from_slice(section.stages()),
+    let both: Vec<_> = today.as_schedule().sections().zip(latest.as_schedule().sections()).collect();
+    let again = in_parallel(&both, |(today, _)| {
+        let ends = today.stages().first().zip(today.stages().last());
+        let is_again = ends.is_some_and(|(first, last)| is_again([first.start, last.start + last.length]));
+        is_again.then(|| faster(&geometry, limits, limit, today))
+    });
+    let (mut stages, mut periods) = (Vec::with_capacity(latest.stages.len()), 0_u64);
+    for ((today, latest), again) in both.iter().zip(again) {
+        let begin = stages.len();
+        match again {
+            Some(Some(faster)) => stages.extend(faster),
+            Some(None) => stages.extend_from_slice(today.stages()),
+            None => stages.extend_from_slice(latest.stages()),
         }
+        let duration: f64 = stages.iter().skip(begin).map(|stage: &Stage<f64>| stage.duration).sum();
+        let (taken, _) =
+            round_up(duration / limits.interpolation_period - 0.5).ok_or(PlanError::DurationOverflows)?;
+        periods = periods.saturating_add(u64::from(taken));
     }
-    let periods = today.periods.checked_sub(saved).ok_or(PlanError::DurationOverflows)?;
     Ok(ScheduleBuf { stages, periods, ..*today })
 }
 
-/// The stages of a section in whole periods, and how many fewer they are.
+/// The stages of a section in fewer whole periods, if some are found.
 fn faster<const D: usize, C: Differentiate<f64, D>>(
     geometry: &Geometry<'_, C>,
     limits: &KinematicLimits<f64>,
     limit: &FeedLimit<f64>,
     section: &Section<'_, f64>,
-) -> Option<(Vec<Stage<f64>>, u32)> {
+) -> Option<Vec<Stage<f64>>> {
     let (first, last) = (section.stages().first()?, section.stages().last()?);
     let (begin, end) = (first.start, last.start + last.length);
     let rests = first.start_feed == 0.0 && last.end_feed == 0.0;
@@ -135,7 +150,7 @@ fn faster<const D: usize, C: Differentiate<f64, D>>(
     }
     let mut stages = stages.with_parameters();
     let taken = stretch_section(&mut stages, slower, period).ok()?;
-    (taken < periods).then(|| (stages, periods - taken))
+    (taken < periods).then_some(stages)
 }
 
 /// Share of the periods of a way, as a power of two, that a program is to save at least: solving it for less takes longer

@@ -1,59 +1,92 @@
-//! Whether a run by chords keeps the acceleration and jerk of the path, and a plan that is slowed down where it does not.
+//! A plan whose run by chords keeps what the plan in arcs keeps: the acceleration and jerk of the path, and the chord error.
 //!
 //! The chords of a plan are fitted to its arcs over whole changes of feed. Where the curvature changes within a few periods, an arc is
 //! longer than its chord by another amount than the plan has taken off, and the arcs of the run have an acceleration and a jerk of their own.
 //! They fall with the third power of the feed or faster, so a section is slowed down by as much as it needs, by 2⁻⁶ at most.
+//!
+//! The feed at which a chord leaves the path by what is allowed is found from the radius at one place. Where the radius changes within the
+//! chord, the chord may leave the path further. The limit is lowered there, and the section is planned again.
 
 use alloc::vec::Vec;
 
 use nurbs_core::Differentiate;
 use real::Real;
 
+use crate::chords::followed::{Followed, LongChord};
+use crate::chords::lead::Lead;
+use crate::chords::planned::Planned;
 use crate::chords::shortfall::Path;
-use crate::cube_root::cube_root;
 use crate::plan::whole_periods::{MOST_PERIODS, round_up, stretch_section};
 use crate::schedule::section;
-use crate::{FeedLimit, KinematicLimits, Schedule, ScheduleBuf, Section, sections};
+use crate::{FeedLimit, KinematicLimits, PlanError, ScheduleBuf, sections};
 
-/// How often sections are slowed down, at most.
-const TRIALS: usize = 3;
-/// Less than 2⁻¹³ above a limit is no excess, for arcs are found to about so much of it. A section that takes more is slowed down to 2⁻¹⁰
-/// below the limit.
-const SEEN: i32 = -13;
-const BELOW: i32 = -10;
+/// How often a path is planned again or slowed down, at most.
+const TRIALS: usize = 6;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more, all of the section would pay for
 /// it, and the run is left to its judge.
 const MOST: i32 = -6;
 
+/// The plan `arcs` and its chords, planned again under a lower limit where chords are too long, and slowed down where the run's arcs take
+/// more than the acceleration or jerk of `limits`.
+pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
+    limit: FeedLimit<R>,
+    mut arcs: ScheduleBuf<R>,
+    curves: &[C],
+    limits: &KinematicLimits<R>,
+    plan_again: impl Fn(&FeedLimit<R>, &ScheduleBuf<R>, &[LongChord<R>]) -> Result<ScheduleBuf<R>, PlanError>,
+) -> Result<Planned<R>, PlanError> {
+    let mut longest = most_of(&arcs);
+    let mut lowered: Option<FeedLimit<R>> = None;
+    for _ in 0..TRIALS {
+        let (chords, followed) = limit.followed(curves, &arcs, limits);
+        let long: Vec<_> = followed.iter().flat_map(|one| one.long.iter().copied()).collect();
+        if !long.is_empty() {
+            let lowered = lowered.get_or_insert_with(|| limit.clone());
+            long.iter().for_each(|chord| lowered.lower_bends(chord.from, chord.to, chord.feed));
+            arcs = plan_again(lowered, &arcs, &long)?;
+            longest = most_of(&arcs);
+            continue;
+        }
+        let durations = sections(arcs.stages()).map(|section| section.duration());
+        let share = |((duration, one), longest): ((R, &Followed<R>), &R)| {
+            let takes = duration * (R::one() + one.excess);
+            if takes > *longest { R::zero() } else { one.excess }
+        };
+        let shares: Vec<_> = durations.zip(&followed).zip(&longest).map(share).collect();
+        let is_slow = !shares.iter().any(|share| *share > R::zero());
+        let Some(slower) = slowed(&arcs, &shares).filter(|_| !is_slow) else {
+            return Ok(Planned { lead: most(&followed), limit, arcs, chords });
+        };
+        arcs = slower;
+    }
+    let (chords, followed) = limit.followed(curves, &arcs, limits);
+    Ok(Planned { lead: most(&followed), limit, arcs, chords })
+}
+
+/// What each section may take at most.
+fn most_of<R: Real>(plan: &ScheduleBuf<R>) -> Vec<R> {
+    let most = R::one() + R::one().ldexp(MOST);
+    sections(plan.stages()).map(|section| section.duration() * most).collect()
+}
+
+/// By how much a run of sections is ahead at most.
+fn most<R: Real>(followed: &[Followed<R>]) -> Lead<R> {
+    followed.iter().fold(Lead::none(), |most, one| most.max(one.lead))
+}
+
 impl<R: Real> FeedLimit<R> {
-    /// The plan `arcs` and the plan [in chords](Self::in_chords), both slowed down in each section in which the arcs of a run by the
-    /// chords take more than the acceleration or jerk of `limits`.
-    pub(crate) fn kept_by_chords<const D: usize, C: Differentiate<R, D>>(
+    /// The plan [in chords](Self::in_chords), and what its run does in each section.
+    fn followed<const D: usize, C: Differentiate<R, D>>(
         &self,
         curves: &[C],
+        arcs: &ScheduleBuf<R>,
         limits: &KinematicLimits<R>,
-        mut arcs: ScheduleBuf<R>,
-    ) -> (ScheduleBuf<R>, ScheduleBuf<R>) {
-        let mut chords = self.in_chords(curves, &arcs);
+    ) -> (ScheduleBuf<R>, Vec<Followed<R>>) {
+        let chords = self.in_chords(curves, arcs);
         let path = Path::new(self, curves);
-        let most = R::one() + R::one().ldexp(MOST);
-        let longest: Vec<_> = sections(arcs.stages()).map(|section| section.duration() * most).collect();
-        for _ in 0..TRIALS {
-            let both = sections(arcs.stages()).zip(sections(chords.stages()));
-            let excess = both.zip(&longest).map(|((arcs, chords), longest)| {
-                let share = path.excess(&arcs, &chords, limits);
-                let takes = arcs.duration() * (R::one() + share);
-                if takes > *longest { R::zero() } else { share }
-            });
-            let excess: Vec<_> = excess.collect();
-            if !excess.iter().any(|excess| *excess > R::zero()) {
-                break;
-            }
-            let Some(slower) = slowed(&arcs, &excess) else { break };
-            arcs = slower;
-            chords = self.in_chords(curves, &arcs);
-        }
-        (arcs, chords)
+        let both = sections(arcs.stages()).zip(sections(chords.stages()));
+        let followed = both.filter_map(|(arcs, chords)| path.followed([&arcs, &chords], limits)).collect();
+        (chords, followed)
     }
 }
 
@@ -72,81 +105,6 @@ fn slowed<R: Real>(plan: &ScheduleBuf<R>, shares: &[R]) -> Option<ScheduleBuf<R>
         rest = behind;
     }
     Some(slower).filter(|plan| plan.periods <= MOST_PERIODS)
-}
-
-impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
-    /// By which share a section must be slowed down for the arcs of a run by its chords to keep acceleration and jerk; 0 if they do.
-    fn excess(&self, arcs: &Section<'_, R>, chords: &Section<'_, R>, limits: &KinematicLimits<R>) -> R {
-        let (Some(first), Some(last)) = (arcs.stages().first(), arcs.stages().last()) else {
-            return R::zero();
-        };
-        let (begin, stop) = (first.start, last.start + last.length);
-        if !self.limit.bends_over(begin, stop) {
-            return R::zero();
-        }
-        let period = limits.interpolation_period;
-        let Some((periods, _)) = round_up(chords.duration() / period - R::one().half()) else {
-            return R::zero();
-        };
-        let chords = Schedule::new(chords.stages(), period, periods.into());
-        let mut cursor = chords.start();
-        let rounding = if R::IS_FLOATING { R::resolution() * self.limit.length() } else { R::resolution() };
-        let (acceleration, jerk) =
-            (limits.acceleration * period * period, limits.jerk * period * period * period);
-        let mut judged =
-            Differences { last: [R::zero(); 2], count: 0, acceleration: R::zero(), jerk: R::zero() };
-        if first.start_feed.is_zero() {
-            judged.count = 2;
-        }
-        let (mut reached, mut at) = (begin, begin);
-        while let Some(chord) = chords.advance(&mut cursor) {
-            let is_last = cursor.stage() >= chords.stages().len();
-            reached = if is_last { stop } else { (reached + self.arc_of_step(reached, chord)).min(stop) };
-            let length = if is_last { stop } else { self.length_to(reached) };
-            // A last step in motion takes the rest of the path, and is not judged.
-            if !is_last || last.end_feed.is_zero() {
-                judged.add(length - at);
-            }
-            at = length;
-            if is_last {
-                break;
-            }
-        }
-        if last.end_feed.is_zero() {
-            judged.add(R::zero());
-            judged.add(R::zero());
-        }
-        let hidden = rounding.ldexp(3);
-        let over = |found: R, most: R| ((found - hidden) / most - R::one()).max(R::zero());
-        let [a, j] = [over(judged.acceleration, acceleration), over(judged.jerk, jerk)];
-        let seen = R::one().ldexp(SEEN);
-        let to = R::one() + R::one().ldexp(BELOW);
-        let by_acceleration = if a > seen { (to + a).sqrt() - R::one() } else { R::zero() };
-        let by_jerk = if j > seen { cube_root(to + j) - R::one() } else { R::zero() };
-        by_acceleration.max(by_jerk)
-    }
-}
-
-/// The largest differences of first and second order between successive steps.
-struct Differences<R> {
-    last: [R; 2],
-    count: usize,
-    acceleration: R,
-    jerk: R,
-}
-
-impl<R: Real> Differences<R> {
-    fn add(&mut self, step: R) {
-        let [before, last] = self.last;
-        if self.count > 0 {
-            self.acceleration = self.acceleration.max((step - last).abs());
-        }
-        if self.count > 1 {
-            self.jerk = self.jerk.max(((step - last) - (last - before)).abs());
-        }
-        self.last = [last, step];
-        self.count = self.count.saturating_add(1);
-    }
 }
 
 #[cfg(test)]
@@ -175,7 +133,8 @@ mod tests {
                 let excess = |arcs: &ScheduleBuf<f64>, chords: &ScheduleBuf<f64>| {
                     let path = Path::new(&planned.limit, &curves);
                     let both = sections(arcs.stages()).zip(sections(chords.stages()));
-                    both.map(|(arcs, chords)| path.excess(&arcs, &chords, &limits)).fold(0.0, f64::max)
+                    both.map(|(arcs, chords)| path.followed([&arcs, &chords], &limits).unwrap().excess)
+                        .fold(0.0, f64::max)
                 };
                 let left = excess(&planned.arcs, &planned.chords);
                 let plain = plan_with(&planned.limit, &limits, EndFeeds::default(), kind).unwrap();

@@ -8,8 +8,9 @@
 use nurbs_core::Differentiate;
 use real::Real;
 
+use crate::chords::followed::Step;
 use crate::chords::shortfall::Path;
-use crate::{FeedLimit, Schedule, Section, Stage, sections};
+use crate::{FeedLimit, Stage, sections};
 
 /// By how much a run is ahead of its plan in arcs, at most, at the end of a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +21,26 @@ pub struct Lead<R> {
     pub chords: R,
     /// The plan's distance from the path's start where the place is farthest ahead, mm.
     pub at: R,
+}
+
+impl<R: Real> Lead<R> {
+    pub(super) fn none() -> Self {
+        Self { place: R::zero(), chords: R::zero(), at: R::zero() }
+    }
+
+    /// Looks at the end of a period.
+    pub(super) fn see(&mut self, step: &Step<R>) {
+        if step.to - step.planned > self.place {
+            (self.place, self.at) = (step.to - step.planned, step.planned);
+        }
+        self.chords = self.chords.max(step.sum - step.travelled);
+    }
+
+    /// The larger of both.
+    pub(super) fn max(self, other: Self) -> Self {
+        let farther = if other.place > self.place { other } else { self };
+        Self { chords: self.chords.max(other.chords), ..farther }
+    }
 }
 
 impl<R: Real> FeedLimit<R> {
@@ -36,33 +57,11 @@ impl<R: Real> FeedLimit<R> {
         period: R,
     ) -> Lead<R> {
         let path = Path::new(self, curves);
-        let none = Lead { place: R::zero(), chords: R::zero(), at: R::zero() };
-        sections(arcs)
-            .zip(sections(chords))
-            .fold(none, |most, (arcs, chords)| path.lead_in(&arcs, &chords, period, most))
-    }
-}
-
-impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
-    /// The lead in a section, or `most` where that is more.
-    fn lead_in(&self, arcs: &Section<'_, R>, chords: &Section<'_, R>, period: R, most: Lead<R>) -> Lead<R> {
-        let (Some(first), Some(last)) = (arcs.stages().first(), arcs.stages().last()) else { return most };
-        let (begin, stop) = (first.start, last.start + last.length);
-        let [arcs, chords] = [arcs, chords].map(|one| Schedule::new(one.stages(), period, u64::MAX));
-        let [mut by_arcs, mut by_chords] = [arcs.start(), chords.start()];
-        let (mut planned, mut sum, mut reached, mut most) = (begin, R::zero(), begin, most);
-        while let (Some(arc), Some(chord)) = (arcs.advance(&mut by_arcs), chords.advance(&mut by_chords)) {
-            (planned, sum) = (planned + arc, sum + chord);
-            reached = (reached + self.arc_of_step(reached, chord)).min(stop);
-            if reached - planned > most.place {
-                (most.place, most.at) = (reached - planned, planned);
-            }
-            most.chords = most.chords.max(sum - (planned - begin));
-            if by_arcs.stage() >= arcs.stages().len() || by_chords.stage() >= chords.stages().len() {
-                break;
-            }
+        let mut lead = Lead::none();
+        for (arcs, chords) in sections(arcs).zip(sections(chords)) {
+            path.each_step([&arcs, &chords], period, |step| lead.see(&step));
         }
-        most
+        lead
     }
 }
 

@@ -5,8 +5,10 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
+use crate::axes::within_axes::plan_some_within_axes;
+use crate::chords::kept::kept;
 use crate::{
-    EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage, plan_with,
+    EndFeeds, FeedLimit, KinematicLimits, Lead, PlanError, ProfileKind, ScheduleBuf, Stage, plan_with,
     plan_within_axes,
 };
 
@@ -19,12 +21,14 @@ pub struct Planned<R> {
     pub arcs: ScheduleBuf<R>,
     /// The plan that an interpolator runs: distances are summed lengths of the chords between setpoints.
     pub chords: ScheduleBuf<R>,
+    /// By how much a run by the chords is ahead of the plan in arcs.
+    pub lead: Lead<R>,
 }
 
 impl<R: Real> Planned<R> {
     /// Plans a path in three steps: the limit with [`FeedLimit::along`], the plan in arcs with [`plan_with`], and the
-    /// plan [in chords](FeedLimit::in_chords). A section in which a run by the chords would take more than the acceleration or jerk of the
-    /// path is slowed down.
+    /// plan [in chords](FeedLimit::in_chords). Where a run by the chords would leave the path by more than the chord error, the limit is
+    /// lowered and the path planned again; a section in which it would take more than the acceleration or jerk of the path is slowed down.
     ///
     /// # Errors
     /// As [`FeedLimit::along`] and [`plan_with`].
@@ -50,25 +54,13 @@ impl<R: Real> Planned<R> {
         kind: ProfileKind,
     ) -> Result<Self, PlanError> {
         let arcs = plan_with(&limit, limits, ends, kind)?;
-        Ok(Self::kept(limit, arcs, curves, limits, kind))
-    }
-
-    /// A plan in arcs and in chords, slowed down where a run by the chords would not keep the limits of the path.
-    fn kept<const D: usize, C: Differentiate<R, D>>(
-        limit: FeedLimit<R>,
-        arcs: ScheduleBuf<R>,
-        curves: &[C],
-        limits: &KinematicLimits<R>,
-        kind: ProfileKind,
-    ) -> Self {
-        let (arcs, chords) = if kind == ProfileKind::WithoutLookAhead {
-            // Such a plan keeps them nowhere.
+        if kind == ProfileKind::WithoutLookAhead {
+            // Such a plan keeps no limit.
             let chords = limit.in_chords(curves, &arcs);
-            (arcs, chords)
-        } else {
-            limit.kept_by_chords(curves, limits, arcs)
-        };
-        Self { limit, arcs, chords }
+            let lead = limit.lead(curves, arcs.stages(), chords.stages(), limits.interpolation_period);
+            return Ok(Self { limit, arcs, chords, lead });
+        }
+        kept(limit, arcs, curves, limits, |limit, _, _| plan_with(limit, limits, ends, kind))
     }
 
     /// Curve and parameter of each rest on the way and at the end, in order. The path must be compiled with a joint at
@@ -93,7 +85,11 @@ impl Planned<f64> {
         limits: &KinematicLimits<f64>,
     ) -> Result<Self, PlanError> {
         let arcs = plan_within_axes(curves, limits, &limit, today)?;
-        Ok(Self::kept(limit, arcs, curves, limits, ProfileKind::Fastest))
+        kept(limit, arcs, curves, limits, |limit, latest, long| {
+            let is_again =
+                |[begin, end]: [f64; 2]| long.iter().any(|chord| begin < chord.to && chord.from < end);
+            plan_some_within_axes((curves, limits, limit), today, latest, is_again)
+        })
     }
 }
 

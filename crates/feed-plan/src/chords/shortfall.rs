@@ -153,7 +153,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
 
     /// The point from which the path goes on at a distance. After a rest, it may be another point than the one at which
     /// the path before the rest ends.
-    fn leaving(&self, distance: R) -> [R; D] {
+    pub(crate) fn leaving(&self, distance: R) -> [R; D] {
         let place = match self.limit.begins_at_rest(distance) {
             Some(curve) => (curve, self.curve(curve).map_or(R::zero(), |curve| curve.domain().0)),
             None => self.parameter_at(distance),
@@ -162,7 +162,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     }
 
     /// The point at which the path from `from` arrives at `to`; at the latest, the next rest.
-    fn arriving(&self, from: R, to: R) -> [R; D] {
+    pub(crate) fn arriving(&self, from: R, to: R) -> [R; D] {
         let rest = self.limit.next_from_rest(from).filter(|(rest, _)| to >= *rest);
         let place = match rest.and_then(|(_, next)| next.checked_sub(1)) {
             Some(curve) => (curve, self.curve(curve).map_or(R::zero(), |curve| curve.domain().1)),
@@ -179,6 +179,11 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
 
     fn parameter_at(&self, distance: R) -> (usize, R) {
         self.limit.parameter_near(distance, &self.last[0])
+    }
+
+    /// Whether a corner lies within a step.
+    pub(crate) fn passes_corner(&self, from: R, to: R) -> bool {
+        self.limit.corners_near(from, &self.last[1]).first().is_some_and(|corner| *corner < to)
     }
 
     fn point(&self, (curve, u): (usize, R)) -> [R; D] {
@@ -281,8 +286,10 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         }
         let (mut from, mut left) = (begin, wanted);
         for &corner in self.limit.corners_near(begin, &self.last[1]) {
-            let chord = if corner - from > left.ldexp(2) { left } else { self.leg(from, corner) };
-            if chord >= left {
+            let way = corner - from;
+            let chord = if way > left.ldexp(2) { left } else { self.leg(from, corner) };
+            // Where the path turns back before the corner, a step may end before it though the corner is near.
+            if chord >= left || (way > left && self.arc_over(from, left) <= way) {
                 break;
             }
             (from, left) = (corner, left - chord);
@@ -399,6 +406,27 @@ mod tests {
                     assert!((step - 0.01).abs() < 1e-12, "{degrees}° from {begin}: {step}");
                 }
             }
+        }
+    }
+
+    /// The corner at the end of a path that leads there and back lies nearer than the step is long. The step was taken for one over the
+    /// corner, and a run for half of a stage ahead of its plan.
+    #[test]
+    fn a_step_ends_before_a_turn_with_a_corner_behind_it() {
+        let limits = in_periods(2e-3, 150.0, 1500.0, 3e4, 2e-3);
+        let hairpin = NurbsBuf::try_new_nonrational(
+            2,
+            vec![[0.0, 0.0], [0.02, 0.0], [0.0, 0.0001]],
+            vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+        );
+        let curves = [hairpin.unwrap(), polyline(&[[0.0, 0.0001], [0.0, 5.0]]).remove(0)];
+        let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+        let limit = FeedLimit::along(&curves, &limits).unwrap();
+        let path = Path::new(&limit, &curves);
+        // The turn is at 0.01 mm. A chord along the way there is as long as its arc.
+        for (begin, step) in [(0.0, 0.0095), (0.001, 0.008), (0.002, 0.007)] {
+            let arc = path.arc_of_step(begin, step);
+            assert!((arc - step).abs() < 1e-5, "{step} from {begin}: {arc}");
         }
     }
 

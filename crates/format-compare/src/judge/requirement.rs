@@ -1,5 +1,6 @@
 //! The requirements that a good run keeps, each with the figure found, its place, and the largest value allowed.
 
+use feed_plan::Lead;
 use serde::Serialize;
 
 use crate::judge::differences::LimitFinding;
@@ -15,8 +16,19 @@ const CHORD_ERROR_SLACK: f64 = 5e-3;
 const LIMIT_SLACK: f64 = 1e-6;
 
 /// Requirements of the motion, beside the limits that are judged by differences.
-const OF_MOTION: [&str; 4] =
-    ["stops before the end of the path", "chord error", "corner error", "distance from the end of the path"];
+const OF_MOTION: [&str; 6] = [
+    "stops before the end of the path",
+    "chord error",
+    "corner error",
+    "distance from the end of the path",
+    PLACE_AHEAD,
+    CHORDS_AHEAD,
+];
+
+/// A run whose place on the path is ahead of its plan reaches a bend at the feed of the straight before it, and one whose chords are ahead
+/// comes to the end of the path early.
+const PLACE_AHEAD: &str = "place ahead of the plan";
+const CHORDS_AHEAD: &str = "chords ahead of the plan";
 
 /// One requirement of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -81,6 +93,12 @@ impl Requirement {
     pub fn used(&self) -> Option<f64> {
         (self.limit > 0.0).then(|| self.found / self.limit)
     }
+}
+
+/// By how much a run is ahead of its plan, with the shares of the chord error that are allowed.
+fn ahead(run: &AboutRun) -> impl Iterator<Item = (&'static str, f64, f64)> {
+    let of = |lead: &Lead<f64>| [(PLACE_AHEAD, 0.5, lead.place), (CHORDS_AHEAD, 0.1, lead.chords)];
+    run.lead.iter().flat_map(of)
 }
 
 /// The figures measured in a run.
@@ -180,6 +198,11 @@ pub(crate) fn requirements<const D: usize>(
         ),
     ];
     all.extend(filament);
+    for (what, share, found) in ahead(run) {
+        let most = chord * share;
+        let broken = format!("{what} by {found:.1e} > {most:.1e} mm");
+        all.push(one(what, (found, most, "mm"), None, broken));
+    }
     all.extend(found.limits.iter().map(|finding| {
         let LimitFinding { limit, taken, periods, seen_within_mm } = finding;
         let over = if *periods == 1 { "a period".to_string() } else { format!("{periods} periods") };
@@ -218,9 +241,12 @@ mod tests {
             change(&mut run, &mut found, figure);
             Verdict::of(&requirements(&run, &problem, &found))
         };
+        fn lead(place: f64, chords: f64) -> Option<Lead<f64>> {
+            Some(Lead { place, chords, at: 0.0 })
+        }
         type Change = fn(&mut AboutRun, &mut Findings, f64);
         // Each case: how a figure is set, the largest value allowed, and the message for a greater one.
-        let cases: [(Change, f64, &str); 8] = [
+        let cases: [(Change, f64, &str); 10] = [
             (|run, _, figure| run.finished = figure == 0.0, 0.0, "stops before the end of the path"),
             (|run, _, figure| run.resolution_mm = figure, full_step, "cannot run this feed"),
             (|run, _, figure| run.fluctuation_resolution = figure, 1.0, "cannot run this feed"),
@@ -229,6 +255,8 @@ mod tests {
             (|_, found, figure| found.corner_error_mm.figure = figure, chord * 1.005, "corner error "),
             (|_, found, figure| found.position_error_mm.figure = figure, increment, "position error "),
             (|_, found, figure| found.end_error_mm = figure, chord, "ends "),
+            (|run, _, figure| run.lead = lead(figure, 0.0), chord * 0.5, "place ahead of the plan by "),
+            (|run, _, figure| run.lead = lead(0.0, figure), chord * 0.1, "chords ahead of the plan by "),
         ];
         for (change, most, said) in cases {
             assert_eq!(judged(change, most * 0.999), Verdict::Good, "{said}");

@@ -3,8 +3,8 @@
 use std::sync::OnceLock;
 
 use feed_plan::{
-    CommandedCurve, EndFeeds, FeedLimit, KinematicLimits, PlanError, Planned, ProfileKind, Schedule, Stage,
-    plan_through_window, sections,
+    CommandedCurve, EndFeeds, FeedLimit, KinematicLimits, Lead, PlanError, Planned, ProfileKind, Schedule,
+    Stage, plan_through_window, sections,
 };
 use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
@@ -28,6 +28,8 @@ pub struct ExactPlan {
     /// The result of [`limit`](Self::limit). A plan made in f64 has its own limit from the start; for any other, the
     /// limit is made at the first call.
     limit: OnceLock<FeedLimit<f64>>,
+    /// The result of [`lead`](Self::lead), found in the same way.
+    lead: OnceLock<Lead<f64>>,
 }
 
 /// The feed of each curve in the format `R`, in mm per period, if the highest is `highest`. The format rounds the ratio
@@ -97,7 +99,7 @@ impl ExactPlan {
             }
             drop(curves);
             let plan = Self::of(&planned, profile);
-            return Ok(Self { limit: planned.limit.into(), ..plan });
+            return Ok(Self { limit: planned.limit.into(), lead: planned.lead.into(), ..plan });
         }
         let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
         let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
@@ -111,7 +113,7 @@ impl ExactPlan {
             .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| stage.map(exact)).collect()));
         let periods = planned.chords.as_schedule().periods();
         let sections = section_periods(&chords);
-        Self { arcs, chords, periods, sections, profile, limit: OnceLock::new() }
+        Self { arcs, chords, periods, sections, profile, limit: OnceLock::new(), lead: OnceLock::new() }
     }
 
     /// Plans `problem` in the format `R` with no more than `window_mm` in view at a time, from rest to rest. At each stop
@@ -141,7 +143,15 @@ impl ExactPlan {
         .map_err(|error| problem.plan_refusal(error))?;
         let [arcs, chords] = [arcs, chords].map(on_the_grid);
         let sections = section_periods(&chords);
-        Ok(Self { arcs, chords, periods: done.periods, sections, profile, limit: OnceLock::new() })
+        Ok(Self {
+            arcs,
+            chords,
+            periods: done.periods,
+            sections,
+            profile,
+            limit: OnceLock::new(),
+            lead: OnceLock::new(),
+        })
     }
 
     /// The largest feed at each distance, in f64, in mm and periods, with the place on the path. `problem` must be the
@@ -154,6 +164,21 @@ impl ExactPlan {
             Some(limit) => Ok(limit),
             None => problem.feed_limit().map(|limit| self.limit.get_or_init(|| limit)),
         }
+    }
+
+    /// By how much a run by the plan for setpoints is ahead of the plan along the path, in f64, in mm. `problem` must be the one that was
+    /// planned.
+    ///
+    /// # Errors
+    /// As [`limit`](Self::limit).
+    pub(crate) fn lead<const D: usize>(&self, problem: &Problem<D>) -> Result<Lead<f64>, PlanError> {
+        if let Some(lead) = self.lead.get() {
+            return Ok(*lead);
+        }
+        let [arcs, chords] = [&self.arcs, &self.chords]
+            .map(|stages| stages.iter().map(|stage| stage.map(DoubleDouble::value)).collect::<Vec<_>>());
+        let lead = problem.feed_limit()?.lead(&problem.fast_curves(), &arcs, &chords, 1.0);
+        Ok(*self.lead.get_or_init(|| lead))
     }
 
     /// The plan without its limit, which takes more memory than the path.

@@ -1,5 +1,7 @@
 //! The input of a run: a problem, a plan of it, and the options.
 
+use feed_plan::Lead;
+
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::run::options::Options;
@@ -16,6 +18,13 @@ impl<const D: usize> Job<'_, D> {
     /// Periods after which the run is given up: the format cannot run this plan.
     pub(crate) fn most_periods(&self) -> u64 {
         most_periods(self.plan.periods())
+    }
+
+    /// By how much a run by the chords that were planned is ahead of the plan along the path; `None` if the feed is overridden, or the path
+    /// has no limit in f64.
+    pub(crate) fn lead(&self) -> Option<Lead<f64>> {
+        let is_as_planned = self.options.overrides.is_none();
+        is_as_planned.then(|| self.plan.lead(self.problem).ok()).flatten()
     }
 }
 

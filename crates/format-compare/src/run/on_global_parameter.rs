@@ -124,6 +124,7 @@ fn drive<R: Backend, const D: usize>(
         finished,
         planned_periods: plan.periods(),
         resolution_mm: resolution_at::<R>(points.fold(0.0, |largest: f64, x| largest.max(x.abs()))),
+        lead: job.lead(),
         ..AboutRun::default()
     }
 }

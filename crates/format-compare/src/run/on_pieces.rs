@@ -161,6 +161,7 @@ fn about<R: Backend, const D: usize>(
             .map_or(job.plan.periods(), |commands| commands.periods),
         resolution_mm: unit * resolution_at::<R>(outcome.farthest),
         fluctuation_resolution: 0.5 * unit_in_last_place::<R>(full_step) / full_step,
+        lead: job.lead(),
         ..AboutRun::default()
     }
 }

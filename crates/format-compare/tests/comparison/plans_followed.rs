@@ -91,3 +91,46 @@ fn a_last_step_as_long_as_the_others_is_judged() {
     assert!((1.3e-4..1.4e-4).contains(&found), "{found}: {}", run.verdict);
     assert!(!run.verdict.is_good());
 }
+
+/// A curve whose radius changes several times within a chord, and a machine that changes its feed as fast.
+const SHARP: &str = "\
+[curve]
+degree = 2
+control_points_mm = [[-0.8752, -1.744], [0.6885, 1.2507], [-1.8658, 1.4149], [-3.2395, 2.2042], [-2.2604, 2.2374], [-2.9938, 1.9271], [-3.7683, 1.8363]]
+weights = [1.086, 1.16, 0.363, 0.44, 2.3, 0.885, 0.965]
+knots = [0.0, 0.0, 0.0, 0.087422, 0.33327, 0.509201, 0.876241, 1.0, 1.0, 1.0]
+";
+const SHARP_MACHINE: &str = "\
+[machine]
+interpolation_period_ms = 4.0
+feedrate_mm_per_s = 12.87
+acceleration_mm_per_s2 = 5715.9
+jerk_mm_per_s3 = 426733.0
+chord_error_mm = 0.001
+fluctuation_limit = 1e-4
+";
+const SHARP_AXES: &str = "\
+[machine.axes.x]
+velocity_mm_per_s = 12.6
+acceleration_mm_per_s2 = 5558.5
+jerk_mm_per_s3 = 460382.5
+[machine.axes.y]
+velocity_mm_per_s = 14.24
+acceleration_mm_per_s2 = 2346.1
+jerk_mm_per_s3 = 210245.8
+";
+
+/// The feed limit takes the radius at one place for that of a whole chord. With limits of axes a chord left the path by 1.055 E.
+#[test]
+fn where_the_radius_changes_within_a_chord_it_keeps_the_chord_error() {
+    for axes in ["", SHARP_AXES] {
+        let machine = read_machine("m", &(SHARP_MACHINE.to_string() + axes)).unwrap();
+        let problem = Problem::<2>::new(&read_part("p.toml", SHARP).unwrap(), &machine).unwrap();
+        for profile in ProfileKind::ALL.into_iter().filter(|kind| *kind != ProfileKind::WithoutLookAhead) {
+            let options = Options { profile, ..Options::default() };
+            let runs =
+                compare(&problem, &select(&["f64"]).unwrap(), &[Engine::Pieces], &options).unwrap().formats;
+            assert!(runs[0].verdict.is_good(), "{profile:?}: {}", runs[0].verdict);
+        }
+    }
+}

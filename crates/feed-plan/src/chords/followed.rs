@@ -1,0 +1,179 @@
+//! A run by chords followed period by period beside its plan in arcs: how far it is ahead, what its arcs take of acceleration and jerk,
+//! and which of its chords leave the path too far.
+
+use alloc::vec::Vec;
+
+use nurbs_core::Differentiate;
+use real::Real;
+
+use crate::chords::lead::Lead;
+use crate::chords::shortfall::Path;
+use crate::cube_root::cube_root;
+use crate::limit::vector::{across, difference};
+use crate::plan::whole_periods::round_up;
+use crate::{KinematicLimits, Schedule, Section};
+
+/// Less than 2⁻¹³ above a limit is no excess, for arcs are found to about so much of it. A section that takes more is slowed down to 2⁻¹⁰
+/// below the limit.
+const SEEN: i32 = -13;
+const BELOW: i32 = -10;
+/// A chord is too long where it leaves the path by more than 2⁻⁸ above what is allowed.
+const LONG: i32 = -8;
+/// Places of a chord at which its distance from the path is looked at.
+const PLACES: i32 = 8;
+
+/// One period of a run, in mm from the path's start.
+#[derive(Clone, Copy)]
+pub(super) struct Step<R> {
+    /// Where the plan in arcs is at the period's end, and how far it has gone in the section.
+    pub(super) planned: R,
+    pub(super) travelled: R,
+    /// Where the run is at the begin and at the end.
+    from: R,
+    pub(super) to: R,
+    chord: R,
+    /// The sum of the chords in the section.
+    pub(super) sum: R,
+    is_last: bool,
+}
+
+/// A chord that leaves the path by more than is allowed: its ends, and a feed at which it would not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LongChord<R> {
+    pub(crate) from: R,
+    pub(crate) to: R,
+    pub(crate) feed: R,
+}
+
+/// What a section's run was found to do.
+#[derive(Clone, Debug)]
+pub(super) struct Followed<R> {
+    pub(super) lead: Lead<R>,
+    /// The share by which the section must be slowed down for the arcs of the run to keep acceleration and jerk; 0 if they do.
+    pub(super) excess: R,
+    pub(super) long: Vec<LongChord<R>>,
+}
+
+impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
+    /// Shows each period of a section's run by `chords`, which lands on the section's end.
+    pub(super) fn each_step(
+        &self,
+        [arcs, chords]: [&Section<'_, R>; 2],
+        period: R,
+        mut show: impl FnMut(Step<R>),
+    ) {
+        let (Some(first), Some(last)) = (arcs.stages().first(), arcs.stages().last()) else { return };
+        let (begin, stop) = (first.start, last.start + last.length);
+        let Some((periods, _)) = round_up(chords.duration() / period - R::one().half()) else { return };
+        let [arcs, chords] =
+            [arcs, chords].map(|one| Schedule::new(one.stages(), period, u64::from(periods)));
+        let [mut by_arcs, mut by_chords] = [arcs.start(), chords.start()];
+        let (mut travelled, mut sum, mut from) = (R::zero(), R::zero(), begin);
+        while let (Some(arc), Some(chord)) = (arcs.advance(&mut by_arcs), chords.advance(&mut by_chords)) {
+            let is_last = chords.is_over(&by_chords) || by_chords.stage() >= chords.stages().len();
+            (travelled, sum) = (travelled + arc, sum + chord);
+            let to = if is_last { stop } else { (from + self.arc_of_step(from, chord)).min(stop) };
+            show(Step { planned: begin + travelled, travelled, from, to, chord, sum, is_last });
+            from = to;
+            if is_last {
+                break;
+            }
+        }
+    }
+
+    /// Follows the run of a section by `chords`, and looks at all that `limits` says of it.
+    pub(super) fn followed(
+        &self,
+        both: [&Section<'_, R>; 2],
+        limits: &KinematicLimits<R>,
+    ) -> Option<Followed<R>> {
+        let stages = both[0].stages();
+        let (first, last) = (stages.first()?, stages.last()?);
+        let (begin, stop) = (first.start, last.start + last.length);
+        let period = limits.interpolation_period;
+        let mut lead = Lead::none();
+        let mut long = Vec::new();
+        let mut judged = Differences::after(first.start_feed.is_zero());
+        if self.limit.bends_over(begin, stop) {
+            let mut at = begin;
+            self.each_step(both, period, |step| {
+                lead.see(&step);
+                let length = if step.is_last { stop } else { self.length_to(step.to) };
+                // A last step in motion takes the rest of the path, and is not judged.
+                if !step.is_last || last.end_feed.is_zero() {
+                    judged.add(length - at);
+                    long.extend(self.long_chord(&step, length - at, limits));
+                }
+                at = length;
+            });
+        }
+        if last.end_feed.is_zero() {
+            judged.add(R::zero());
+            judged.add(R::zero());
+        }
+        let rounding = if R::IS_FLOATING { R::resolution() * self.limit.length() } else { R::resolution() };
+        Some(Followed { lead, excess: judged.excess(limits, rounding.ldexp(3)), long })
+    }
+
+    /// The chord of a step, if it leaves the path too far. No place of an arc is farther from its chord than half of the root of
+    /// `arc² - chord²`.
+    fn long_chord(&self, step: &Step<R>, arc: R, limits: &KinematicLimits<R>) -> Option<LongChord<R>> {
+        let allowed = limits.chord_error + limits.chord_error.ldexp(LONG);
+        let farthest = ((arc - step.chord).max(R::zero()) * (arc + step.chord)).sqrt().half();
+        if !(farthest > allowed) || self.passes_corner(step.from, step.to) {
+            return None;
+        }
+        let begin = self.leaving(step.from);
+        let way_to = |share: R| {
+            difference(&self.arriving(step.from, step.from + (step.to - step.from) * share), &begin)
+        };
+        let chord = way_to(R::one());
+        let off = |k| R::norm(&across(&way_to(R::from_ratio(k, PLACES)), &chord));
+        let found = (1..PLACES).map(off).fold(R::zero(), R::max);
+        (found > allowed).then(|| {
+            let feed = step.chord / limits.interpolation_period * (limits.chord_error / found).sqrt();
+            LongChord { from: step.from, to: step.to, feed }
+        })
+    }
+}
+
+/// The largest differences of first and second order between the arcs of successive periods.
+struct Differences<R> {
+    last: [R; 2],
+    count: usize,
+    acceleration: R,
+    jerk: R,
+}
+
+impl<R: Real> Differences<R> {
+    /// Those behind a rest, or behind a motion that is not known.
+    fn after(rest: bool) -> Self {
+        let count = if rest { 2 } else { 0 };
+        Self { last: [R::zero(); 2], count, acceleration: R::zero(), jerk: R::zero() }
+    }
+
+    fn add(&mut self, step: R) {
+        let [before, last] = self.last;
+        if self.count > 0 {
+            self.acceleration = self.acceleration.max((step - last).abs());
+        }
+        if self.count > 1 {
+            self.jerk = self.jerk.max(((step - last) - (last - before)).abs());
+        }
+        self.last = [last, step];
+        self.count = self.count.saturating_add(1);
+    }
+
+    /// The share by which the steps must be made slower to keep acceleration and jerk, of which rounding hides so much; 0 if they do.
+    fn excess(&self, limits: &KinematicLimits<R>, hidden: R) -> R {
+        let period = limits.interpolation_period;
+        let acceleration = limits.acceleration * period * period;
+        let over = |found: R, most: R| ((found - hidden) / most - R::one()).max(R::zero());
+        let [a, j] =
+            [over(self.acceleration, acceleration), over(self.jerk, limits.jerk * period * period * period)];
+        let (seen, to) = (R::one().ldexp(SEEN), R::one() + R::one().ldexp(BELOW));
+        let by_acceleration = if a > seen { (to + a).sqrt() - R::one() } else { R::zero() };
+        let by_jerk = if j > seen { cube_root(to + j) - R::one() } else { R::zero() };
+        by_acceleration.max(by_jerk)
+    }
+}
