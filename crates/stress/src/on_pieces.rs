@@ -356,7 +356,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         };
         if let Some(allowed_mm) = allowed_mm.filter(|_| is_in_place && wanted > SHORT_MM) {
             // If both ends of a chord are moved along the path, its error grows by no more than they are moved.
-            let error = self.judge.chord_error((from, &start), (to, &end)) - self.astray;
+            let error = self.judge.chord_error((from, &start), (to, &end)) - self.adrift;
             let share = error / allowed_mm;
             if to.0 - from.0 > 1 {
                 // The path bends within a fraction of a step: the plan may not have seen it.

@@ -1,6 +1,6 @@
 //! The plan of a random path, and a check of its promises.
 
-use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, Stage, plan_with};
+use feed_plan::{EndFeeds, FeedLimit, Planned, ScheduleBuf, Stage, plan_with};
 use nurbs_core::FastCurve;
 
 use crate::RandomPath;
@@ -30,11 +30,13 @@ impl<'a, const D: usize> PlannedPath<'a, D> {
     pub fn new(path: &'a RandomPath<D>, most_periods: u32) -> Option<Self> {
         let curves: Vec<_> = path.curves.iter().map(|curve| FastCurve::of(curve.as_curve())).collect();
         let limit = FeedLimit::along(&curves, &path.limits).ok()?;
-        let arcs = plan_with(&limit, &path.limits, EndFeeds { start: 0.0, end: 0.0 }, path.profile).ok()?;
+        let (limits, ends) = (&path.limits, EndFeeds::default());
+        let arcs = plan_with(&limit, limits, ends, path.profile).ok()?;
         if arcs.as_schedule().periods() > u64::from(most_periods) {
             return None;
         }
-        let chords = limit.in_chords(&curves, &arcs);
+        let Planned { limit, arcs, chords, .. } =
+            Planned::under(limit, &curves, limits, ends, path.profile).ok()?;
         Some(Self { path, limit, arcs, chords, slower: 1 })
     }
 

@@ -33,6 +33,8 @@ const WEIGHT_OF_SLOPE: f64 = 0.3;
 const ROOM: f64 = 0.9;
 /// The factor by which a first guess is slowed at most.
 const SLOWEST: f64 = 2.0;
+/// The gap tells how short the time may become where rows are broken by no more than this.
+const SEEN: f64 = 1e-3;
 /// No value of b falls below this share of what it was in one step.
 const LEAST_SHARE: f64 = 0.5;
 
@@ -62,6 +64,8 @@ pub(crate) struct Stop {
     /// The time is this near to the least, as a ratio.
     pub(crate) gap: f64,
     pub(crate) iterations: u32,
+    /// None is sought that takes as long as this: the iterations end where the gap shows that the least time is no shorter.
+    pub(crate) below: f64,
 }
 
 /// A solution.
@@ -91,7 +95,7 @@ struct Step {
 
 impl Program {
     /// The solution found from a first guess, all of whose b are positive, with a gap of this share of the time; `None` if it is not
-    /// reached within the iterations.
+    /// reached within the iterations, or takes too long.
     pub(crate) fn solve(&self, guess: Vec<f64>, gap: f64, stop: Stop) -> Option<Solution> {
         let mut state = self.start(self.slowed(guess), gap)?;
         let count = self.rows.len().max(1) as f64;
@@ -106,7 +110,10 @@ impl Program {
             let slope = self.slope(&state);
             let off = slope.iter().zip(&state.x).fold(0.0, |sum, (slope, x)| sum + (slope * x).abs());
             if mean * count <= stop.gap * time && infeasible <= stop.gap && off <= 10.0 * stop.gap * time {
-                return Some(Solution { x: state.x, iterations });
+                return (time < stop.below).then_some(Solution { x: state.x, iterations });
+            }
+            if infeasible <= SEEN && time - mean * count - off >= stop.below {
+                return None;
             }
             self.assemble(&mut matrix, &state);
             if !matrix.factor() {
@@ -302,7 +309,9 @@ mod tests {
         let sum = Functional { first: 0, weights: [0.0, 0.5, 0.5] };
         let rows = vec![Row { w: unit(0), p: None }, Row { w: sum, p: None }];
         let program = Program { terms, rows };
-        let found = program.solve(vec![0.1, 0.2, 0.9], 1.0, Stop { gap: 1e-9, iterations: 60 }).unwrap();
+        let found = program
+            .solve(vec![0.1, 0.2, 0.9], 1.0, Stop { gap: 1e-9, iterations: 60, below: f64::MAX })
+            .unwrap();
         for x in &found.x {
             assert!((x - 1.0).abs() < 1e-5, "{found:?}");
         }
@@ -319,8 +328,9 @@ mod tests {
             Row { w: others[0], p: None },
             Row { w: others[1].times(0.25), p: None },
         ];
-        let found =
-            Program { terms, rows }.solve(vec![0.1; 3], 1.0, Stop { gap: 1e-9, iterations: 60 }).unwrap();
+        let found = Program { terms, rows }
+            .solve(vec![0.1; 3], 1.0, Stop { gap: 1e-9, iterations: 60, below: f64::MAX })
+            .unwrap();
         for (x, expected) in found.x.iter().zip([1.0, 1.0, 4.0]) {
             assert!((x / expected - 1.0).abs() < 1e-6, "{found:?}");
         }

@@ -60,7 +60,7 @@ pub(crate) fn places<const D: usize, C: Differentiate<f64, D>>(
         let width = pair[1] - pair[0];
         let bend = |share: f64| {
             let piece = way.pieces.get(*piece);
-            piece.map_or_else(Bend::default, |piece| way.geometry.bend(piece, pair[0] + share * width))
+            piece.map_or_else(Bend::default, |piece| way.bend_of(piece, pair[0] + share * width))
         };
         let left = places.last().filter(|_| before == *piece).map_or_else(|| bend(0.0), |last| last.bends[2]);
         let feeds = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| {

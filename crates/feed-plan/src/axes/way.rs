@@ -18,6 +18,8 @@ pub(crate) struct Way<'a, C> {
     pub(crate) begin: f64,
     pub(crate) end: f64,
     pub(crate) pieces: &'a [Piece],
+    /// Whether the acceleration or jerk of an axis is limited.
+    limits_axes: bool,
 }
 
 /// Largest ratio of what a motion takes to what is allowed, of the feed, of accelerations and of jerks.
@@ -80,6 +82,7 @@ impl<'a, C> Way<'a, C> {
             begin,
             end,
             pieces,
+            limits_axes: limits.limit_accelerations_of_axes(D),
         })
     }
 
@@ -111,7 +114,15 @@ impl<'a, C> Way<'a, C> {
     where
         C: Differentiate<f64, D>,
     {
-        self.piece_at(distance).map_or_else(Bend::default, |piece| self.geometry.bend(piece, distance))
+        self.piece_at(distance).map_or_else(Bend::default, |piece| self.bend_of(piece, distance))
+    }
+
+    /// How a piece bends at a distance; not at all where no axis is limited, for the bend counts for axes alone.
+    pub(crate) fn bend_of<const D: usize>(&self, piece: &Piece, distance: f64) -> Bend
+    where
+        C: Differentiate<f64, D>,
+    {
+        if self.limits_axes { self.geometry.bend(piece, distance) } else { Bend::default() }
     }
 
     /// The limit of the feed.
@@ -156,26 +167,10 @@ impl<'a, C> Way<'a, C> {
         let acceleration = 0.5 * (end - begin) * (end + begin) / (to - from);
         // As if the acceleration changed its sign over the stretch.
         let jerk = 2.0 * acceleration * feed / (to - from);
-        let bend = self.geometry.bend(piece, middle);
+        let bend = self.bend_of(piece, middle);
         let strain = self.strain(&Motion { distance: middle, feed, acceleration, jerk }, &bend, feed);
         let curvature = Real::sqrt(bend.k.iter().fold(0.0, |sum, k| sum + k * k));
         (strain.acceleration <= share && strain.jerk <= share).then_some((feed, curvature))
-    }
-
-    /// Whether an axis moves whose acceleration or jerk is limited, seen at both ends of each piece and in its middle.
-    pub(crate) fn moves_limited_axes<const D: usize>(&self) -> bool
-    where
-        C: Differentiate<f64, D>,
-    {
-        let moves = |bend: Bend| {
-            let limited = |i: &usize| self.limits.axes[*i].limits_acceleration();
-            (0..AXES).filter(limited).any(|i| [bend.e[i], bend.k[i], bend.c[i]] != [0.0; 3])
-        };
-        self.pieces.iter().any(|piece| {
-            let shares = if piece.is_line { &[0.5][..] } else { &[0.0, 0.5, 1.0] };
-            let at = |share: &f64| piece.begin + (piece.end - piece.begin) * share;
-            shares.iter().any(|share| moves(self.geometry.bend(piece, at(share))))
-        })
     }
 
     /// The path's jerk on a straight way in the direction of this bend.
@@ -201,7 +196,8 @@ impl<'a, C> Way<'a, C> {
             acceleration: a.abs() / self.limits.acceleration,
             jerk: j.abs() / self.limits.jerk,
         };
-        for (i, axis) in self.limits.axes.iter().enumerate() {
+        // The velocities of axes are in the limit of the feed.
+        for (i, axis) in self.limits.axes.iter().enumerate().filter(|_| self.limits_axes) {
             let (e, k, c) = (bend.e[i], bend.k[i], bend.c[i]);
             if let Some(most) = axis.velocity {
                 strain.feed = strain.feed.max(e.abs() * v / most);

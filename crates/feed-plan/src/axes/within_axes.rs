@@ -1,7 +1,8 @@
-//! A faster plan under limits of single axes.
+//! A faster plan by an interior point, under limits of single axes or without.
 //!
 //! A plan under a [`FeedLimit`] shares out what the axes can do before it is made: so much for turning the path, so much for changing
-//! the feed. Here each way from rest to rest is one program, in which every axis has all of its limits, wherever it moves:
+//! the feed. Here each way from rest to rest is one program, in which every axis has all of its limits, wherever it moves. Without limits of
+//! axes it is the program of the path's own limits, in which accelerations at near minima of the limit depend on each other:
 //!
 //! 1. *Geometry*: tangent, curvature and its change, axis by axis, with both values at knots and joints.
 //! 2. *Grid*: nodes even in planned time where something changes, first of a rough profile, then of a solution on a third of the cells.
@@ -11,8 +12,8 @@
 //!    allowed, that cell's limits are lowered and the program is solved again, three times at most; the rest is stretched in time evenly.
 //! 6. *Whole periods*, as for every plan.
 //!
-//! A way for which any of that fails keeps the plan that it had, and so does one that would not be faster. One along which no axis
-//! moves whose acceleration or jerk is limited is not tried, nor one that no motion passes in fewer periods, by a bound that takes one walk along the limit, is not tried.
+//! A way for which any of that fails keeps the plan that it had, and so does one that would not be faster. One that a bound says no motion
+//! passes in a thousandth less time is not tried, and the program is given up where its gap says so.
 
 use alloc::vec::Vec;
 
@@ -29,7 +30,7 @@ use crate::axes::rows::{WayCell, all_of, places, program};
 use crate::axes::spline::{Spline, near};
 use crate::axes::way::{Strain, Way};
 use crate::parallel::in_parallel;
-use crate::plan::least_duration::rough_duration_between;
+use crate::plan::least_duration::least_duration_between;
 use crate::plan::stages::Stages;
 use crate::plan::whole_periods::{SLOWER, round_up, stretch_section, whole_periods};
 use crate::schedule::section::Section;
@@ -92,11 +93,7 @@ pub(crate) fn plan_some_within_axes<const D: usize, C: Differentiate<f64, D> + S
     latest: &ScheduleBuf<f64>,
     is_again: impl Fn([f64; 2]) -> bool + Sync,
 ) -> Result<ScheduleBuf<f64>, PlanError> {
-    let Some(geometry) =
-        limits.limit_accelerations_of_axes(D).then(|| Geometry::new(curves, limit)).flatten()
-    else {
-        return Ok(today.clone());
-    };
+    let Some(geometry) = Geometry::new(curves, limit) else { return Ok(today.clone()) };
     let both: Vec<_> = today.as_schedule().sections().zip(latest.as_schedule().sections()).collect();
     let again = in_parallel(&both, |(today, _)| {
         let ends = today.stages().first().zip(today.stages().last());
@@ -139,8 +136,10 @@ fn faster<const D: usize, C: Differentiate<f64, D>>(
     if !may_take_less(limit, limits, (begin, end), periods) {
         return None;
     }
-    let way = Way::new(geometry, limits, (begin, end)).filter(Way::moves_limited_axes)?;
-    let (pieces, _) = solve(&way, section.duration(), CELL)?;
+    let way = Way::new(geometry, limits, (begin, end))?;
+    let duration = section.duration();
+    let below = duration * (1.0 - 1.0_f64.ldexp(-WORTH_SAVING));
+    let (pieces, _) = solve(&way, (duration, below), CELL)?;
     let mut stages = Stages::new(limit);
     let mut start = begin;
     for piece in &pieces {
@@ -155,7 +154,7 @@ fn faster<const D: usize, C: Differentiate<f64, D>>(
 
 /// Share of the periods of a way, as a power of two, that a program is to save at least: solving it for less takes longer
 /// than it is worth.
-const WORTH_SAVING: u32 = 10;
+const WORTH_SAVING: i32 = 10;
 
 /// Whether a motion along the way between two rests may take fewer periods than these, by a share that is worth it, as
 /// far as the limit and the path's acceleration and jerk say.
@@ -165,21 +164,25 @@ fn may_take_less(
     ends: (f64, f64),
     periods: u32,
 ) -> bool {
-    let least = rough_duration_between(limit, limits, ends);
-    let least = whole_periods(least, 1.0_f64.ldexp(SLOWER), limits.interpolation_period);
-    least.is_some_and(|(least, _)| least < periods - (periods >> WORTH_SAVING))
+    // The rough bound tells of most ways that they may not, in a fraction of the time.
+    [true, false].into_iter().all(|is_rough| {
+        let least = least_duration_between(limit, limits, ends, is_rough);
+        let least = whole_periods(least, 1.0_f64.ldexp(SLOWER), limits.interpolation_period);
+        least.is_some_and(|(least, _)| least < periods - (periods >> WORTH_SAVING.unsigned_abs()))
+    })
 }
 
-/// The pieces of a way, which keep every limit, before they take whole periods.
+/// The pieces of a way that takes so long today, which keep every limit, before they take whole periods. None are made if they would take
+/// as long as `below`.
 fn solve<const D: usize, C: Differentiate<f64, D>>(
     way: &Way<'_, C>,
-    today: f64,
+    (today, below): (f64, f64),
     cell: f64,
 ) -> Option<(Vec<FeedPiece<f64>>, Effort)> {
     let cell_time = (cell * way.moment()).min(cell * today / FEWEST);
     let (fine, guess, iterations) = coarsely(way, cell_time)?;
     let mut solver = Solver::new(way, fine);
-    solver.run(guess, 0.1, GAPS[1])?;
+    solver.run(guess, 0.1, (GAPS[1], below))?;
     let of_fine = solver.iterations;
     let (mut best, mut strains) = solver.arcs()?;
     let (nodes, time, stretch) = (solver.grid.nodes.len(), solver.time, best.stretch);
@@ -190,7 +193,7 @@ fn solve<const D: usize, C: Differentiate<f64, D>>(
         }
         solver.lower(&strains);
         let guess = solver.x.clone();
-        let Some(()) = solver.run(guess, 0.02, GAPS[1]) else { break };
+        let Some(()) = solver.run(guess, 0.02, (GAPS[1], below)) else { break };
         effort.iterations[2] += solver.iterations;
         let Some((other, others)) = solver.arcs() else { break };
         strains = others;
@@ -214,7 +217,7 @@ fn coarsely<const D: usize, C: Differentiate<f64, D>>(
     let square = solver.square();
     let guess = near(&solver.grid.nodes, |distance| (0.5 * rough.square(distance) / square, 0.0));
     drop(rough);
-    solver.run(guess, 1.0, GAPS[0])?;
+    solver.run(guess, 1.0, (GAPS[0], f64::INFINITY))?;
     let profile = Profile::of(way, &solver.grid.nodes, &solver.x, square, cell_time);
     let fine = Grid::new(way, &profile, cell_time, 1.0)?;
     let spline = Spline::new(&solver.grid.nodes, &solver.x);
@@ -264,10 +267,11 @@ impl<'a, 'w, C> Solver<'a, 'w, C> {
         self.way.limits.feedrate * self.way.limits.feedrate
     }
 
-    fn run(&mut self, guess: Vec<f64>, from_gap: f64, gap: f64) -> Option<()> {
+    fn run(&mut self, guess: Vec<f64>, from_gap: f64, (gap, below): (f64, f64)) -> Option<()> {
         let feed = self.way.limits.feedrate;
         let program = program(self.way, &self.grid, &self.places, &self.shares, feed)?;
-        let solution = program.solve(guess, from_gap, Stop { gap, iterations: ITERATIONS })?;
+        let solution =
+            program.solve(guess, from_gap, Stop { gap, iterations: ITERATIONS, below: below * feed })?;
         self.time = program.time(&solution.x) / feed;
         (self.x, self.iterations) = (solution.x, solution.iterations);
         Some(())

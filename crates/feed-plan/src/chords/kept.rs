@@ -14,7 +14,6 @@ use real::Real;
 
 use crate::chords::followed::{Followed, LongChord};
 use crate::chords::lead::Lead;
-use crate::chords::planned::Planned;
 use crate::chords::shortfall::Path;
 use crate::plan::whole_periods::{MOST_PERIODS, round_up, stretch_section};
 use crate::schedule::section;
@@ -26,19 +25,33 @@ const TRIALS: usize = 6;
 /// it, and the run is left to its judge.
 const MOST: i32 = -6;
 
+/// A plan in arcs with its chords, by how much the run of each section is ahead, and whether the plan was changed for its run.
+pub(crate) struct Kept<R> {
+    pub(crate) arcs: ScheduleBuf<R>,
+    pub(crate) chords: ScheduleBuf<R>,
+    pub(crate) leads: Vec<Lead<R>>,
+    pub(crate) is_changed: bool,
+}
+
 /// The plan `arcs` and its chords, planned again under a lower limit where chords are too long, and slowed down where the run's arcs take
-/// more than the acceleration or jerk of `limits`.
+/// more than the acceleration or jerk of `limits`. `plan_again` plans the sections of these chords under the lower limit, and leaves others
+/// as they are in the plan that it is given.
 pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
-    limit: FeedLimit<R>,
+    limit: &FeedLimit<R>,
     mut arcs: ScheduleBuf<R>,
     curves: &[C],
     limits: &KinematicLimits<R>,
     plan_again: impl Fn(&FeedLimit<R>, &ScheduleBuf<R>, &[LongChord<R>]) -> Result<ScheduleBuf<R>, PlanError>,
-) -> Result<Planned<R>, PlanError> {
+) -> Result<Kept<R>, PlanError> {
     let mut longest = most_of(&arcs);
     let mut lowered: Option<FeedLimit<R>> = None;
-    for _ in 0..TRIALS {
+    for trial in 0.. {
         let (chords, followed) = limit.followed(curves, &arcs, limits);
+        let leads = followed.iter().map(|one| one.lead).collect();
+        let kept = |arcs, chords| Ok(Kept { arcs, chords, leads, is_changed: trial > 0 });
+        if trial == TRIALS {
+            return kept(arcs, chords);
+        }
         let long: Vec<_> = followed.iter().flat_map(|one| one.long.iter().copied()).collect();
         if !long.is_empty() {
             let lowered = lowered.get_or_insert_with(|| limit.clone());
@@ -54,24 +67,54 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
         };
         let shares: Vec<_> = durations.zip(&followed).zip(&longest).map(share).collect();
         let is_slow = !shares.iter().any(|share| *share > R::zero());
-        let Some(slower) = slowed(&arcs, &shares).filter(|_| !is_slow) else {
-            return Ok(Planned { lead: most(&followed), limit, arcs, chords });
-        };
-        arcs = slower;
+        match slowed(&arcs, &shares).filter(|_| !is_slow) {
+            Some(slower) => arcs = slower,
+            None => return kept(arcs, chords),
+        }
     }
-    let (chords, followed) = limit.followed(curves, &arcs, limits);
-    Ok(Planned { lead: most(&followed), limit, arcs, chords })
+    Err(PlanError::DurationOverflows)
+}
+
+impl<R: Real> Kept<R> {
+    /// Of each section the one of both plans that takes less time, this one if both take the same. Both rest at the same places.
+    pub(crate) fn faster_by_sections(self, other: Self) -> Self {
+        if self.leads.len() != other.leads.len() {
+            return self;
+        }
+        let period = self.arcs.interpolation_period;
+        let mut found = Self {
+            arcs: ScheduleBuf { stages: Vec::new(), periods: 0, ..self.arcs },
+            chords: ScheduleBuf { stages: Vec::new(), periods: 0, ..self.chords },
+            leads: Vec::with_capacity(self.leads.len()),
+            is_changed: true,
+        };
+        let [own, others] = [&self, &other].map(|plan| {
+            let both = sections(plan.arcs.stages()).zip(sections(plan.chords.stages()));
+            both.zip(plan.leads.iter().copied())
+        });
+        for (own, other) in own.zip(others) {
+            let ((arcs, chords), lead) = if other.0.0.duration() < own.0.0.duration() { other } else { own };
+            let taken = round_up(arcs.duration() / period - R::one().half());
+            let taken = taken.map_or(0, |(periods, _)| u64::from(periods));
+            for (plan, section) in [(&mut found.arcs, arcs), (&mut found.chords, chords)] {
+                plan.stages.extend_from_slice(section.stages());
+                plan.periods = plan.periods.saturating_add(taken);
+            }
+            found.leads.push(lead);
+        }
+        found
+    }
+
+    /// By how much the run is ahead at most.
+    pub(crate) fn lead(&self) -> Lead<R> {
+        self.leads.iter().fold(Lead::none(), |most, lead| most.max(*lead))
+    }
 }
 
 /// What each section may take at most.
 fn most_of<R: Real>(plan: &ScheduleBuf<R>) -> Vec<R> {
     let most = R::one() + R::one().ldexp(MOST);
     sections(plan.stages()).map(|section| section.duration() * most).collect()
-}
-
-/// By how much a run of sections is ahead at most.
-fn most<R: Real>(followed: &[Followed<R>]) -> Lead<R> {
-    followed.iter().fold(Lead::none(), |most, one| most.max(one.lead))
 }
 
 impl<R: Real> FeedLimit<R> {

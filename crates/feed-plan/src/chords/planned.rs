@@ -6,7 +6,8 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::axes::within_axes::plan_some_within_axes;
-use crate::chords::kept::kept;
+use crate::chords::followed::LongChord;
+use crate::chords::kept::{Kept, kept};
 use crate::{
     EndFeeds, FeedLimit, KinematicLimits, Lead, PlanError, ProfileKind, ScheduleBuf, Stage, plan_with,
     plan_within_axes,
@@ -53,14 +54,24 @@ impl<R: Real> Planned<R> {
         ends: EndFeeds<R>,
         kind: ProfileKind,
     ) -> Result<Self, PlanError> {
-        let arcs = plan_with(&limit, limits, ends, kind)?;
+        let plan = |limit: &FeedLimit<R>, kind| plan_with(limit, limits, ends, kind);
+        let arcs = plan(&limit, kind)?;
         if kind == ProfileKind::WithoutLookAhead {
             // Such a plan keeps no limit.
             let chords = limit.in_chords(curves, &arcs);
             let lead = limit.lead(curves, arcs.stages(), chords.stages(), limits.interpolation_period);
             return Ok(Self { limit, arcs, chords, lead });
         }
-        kept(limit, arcs, curves, limits, |limit, _, _| plan_with(limit, limits, ends, kind))
+        let mut found = kept(&limit, arcs, curves, limits, |limit, _, _| plan(limit, kind))?;
+        if kind == ProfileKind::Fastest && found.is_changed {
+            found = found.faster_by_sections(s_curves(&limit, curves, limits, ends)?);
+        }
+        Ok(Self::of(limit, found))
+    }
+
+    fn of(limit: FeedLimit<R>, found: Kept<R>) -> Self {
+        let lead = found.lead();
+        Self { limit, arcs: found.arcs, chords: found.chords, lead }
     }
 
     /// Curve and parameter of each rest on the way and at the end, in order. The path must be compiled with a joint at
@@ -71,9 +82,43 @@ impl<R: Real> Planned<R> {
     }
 }
 
+/// The plan in S-curves, kept by its run.
+fn s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
+    limit: &FeedLimit<R>,
+    curves: &[C],
+    limits: &KinematicLimits<R>,
+    ends: EndFeeds<R>,
+) -> Result<Kept<R>, PlanError> {
+    let plan = |limit: &FeedLimit<R>| plan_with(limit, limits, ends, ProfileKind::SCurve);
+    kept(limit, plan(limit)?, curves, limits, |limit, _, _| plan(limit))
+}
+
 impl Planned<f64> {
-    /// Plans the sections of `today`, a plan of these curves, anew in which single axes are limited, so that each axis may use all of
-    /// its acceleration and jerk: [`plan_within_axes`]. `limit` is that of the curves
+    /// Plans a path as [`under`](Self::under) with [`ProfileKind::Fastest`], where no acceleration or jerk of an axis is limited, and each
+    /// section anew for which an interior point finds a faster plan: [`plan_within_axes`].
+    ///
+    /// # Errors
+    /// As [`plan_with`].
+    pub fn fastest<const D: usize, C: Differentiate<f64, D> + Sync>(
+        limit: FeedLimit<f64>,
+        curves: &[C],
+        limits: &KinematicLimits<f64>,
+        ends: EndFeeds<f64>,
+    ) -> Result<Self, PlanError> {
+        let quick = |limit: &FeedLimit<f64>| plan_with(limit, limits, ends, ProfileKind::Fastest);
+        let today = quick(&limit)?;
+        let arcs = plan_within_axes(curves, limits, &limit, &today)?;
+        let mut found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
+            plan_some_within_axes((curves, limits, limit), &quick(limit)?, latest, is_on(long))
+        })?;
+        if found.is_changed {
+            found = found.faster_by_sections(s_curves(&limit, curves, limits, ends)?);
+        }
+        Ok(Self::of(limit, found))
+    }
+
+    /// Plans the sections of `today`, a plan of these curves, anew, so that each axis may use all of its acceleration and jerk:
+    /// [`plan_within_axes`]. A section keeps its plan of `today` where no faster one is found. `limit` is that of the curves
     /// [without reserves](FeedLimit::without_reserves) for the axes, with the stops and feeds of the limit of `today`.
     ///
     /// # Errors
@@ -85,12 +130,21 @@ impl Planned<f64> {
         limits: &KinematicLimits<f64>,
     ) -> Result<Self, PlanError> {
         let arcs = plan_within_axes(curves, limits, &limit, today)?;
-        kept(limit, arcs, curves, limits, |limit, latest, long| {
-            let is_again =
-                |[begin, end]: [f64; 2]| long.iter().any(|chord| begin < chord.to && chord.from < end);
-            plan_some_within_axes((curves, limits, limit), today, latest, is_again)
-        })
+        let mut found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
+            plan_some_within_axes((curves, limits, limit), today, latest, is_on(long))
+        })?;
+        if found.is_changed {
+            found = found.faster_by_sections(kept(&limit, today.clone(), curves, limits, |_, latest, _| {
+                Ok(latest.clone())
+            })?);
+        }
+        Ok(Self::of(limit, found))
     }
+}
+
+/// Whether one of these chords lies between the begin and the end of a section.
+fn is_on(long: &[LongChord<f64>]) -> impl Fn([f64; 2]) -> bool + Sync {
+    |[begin, end]| long.iter().any(|chord| begin < chord.to && chord.from < end)
 }
 
 #[cfg(test)]

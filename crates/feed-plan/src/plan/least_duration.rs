@@ -58,16 +58,23 @@ pub fn least_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>
         .max(crate::jerk_free_duration(limit, limits, ends))
 }
 
-/// The bound of 1 and 2 alone, of the way between two distances at both of which it rests; rounding may have moved them. It is the
-/// least time where the way from rest and to rest leads to a level limit, and takes one walk along the nodes.
-pub(crate) fn rough_duration_between<R: Real>(
+/// The bound of the way between two distances at both of which it rests; rounding may have moved them. A rough one is that of 1 and 2
+/// alone: the least time where the way from rest and to rest leads to a level limit, by one walk along the nodes.
+pub(crate) fn least_duration_between<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     (begin, end): (R, R),
+    is_rough: bool,
 ) -> R {
     let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
     let nodes = nodes(&intervals(limit.samples_between(begin, end)), limits, EndFeeds::default());
-    by_sections(&nodes, |section| Some(time_below(&from_rest_to_rest(section, &most)?, most.jerk)))
+    by_sections(&nodes, |section| {
+        if is_rough {
+            Some(time_below(&from_rest_to_rest(section, &most)?, most.jerk))
+        } else {
+            of_section(section, &most)
+        }
+    })
 }
 
 /// The sum of the bounds of the ways from rest to rest; the greatest number of the format if one has none.

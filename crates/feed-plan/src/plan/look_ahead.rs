@@ -14,7 +14,7 @@ use crate::plan::fastest::parts::in_parts;
 use crate::plan::fastest::sections::in_window;
 use crate::plan::key_points::{Key, key_points};
 use crate::plan::ramp_shape::RampShape;
-use crate::plan::ramps::ramps;
+use crate::plan::ramps::{chain, ramps, reachable};
 use crate::plan::stages::Stages;
 use crate::plan::whole_periods::stretch;
 use crate::plan::without_look_ahead::without_look_ahead;
@@ -120,7 +120,7 @@ fn quick_sections<R: Real>(
         let [from, .., to] = section else { break };
         let is_kept = |window: InWindow<R>| from.feed.is_zero() && to.distance <= window.kept_to;
         if window.is_none_or(is_kept) {
-            stages.extend(&in_parts(limit, limits, shape, section)?);
+            stages.extend(&quicker(limit, limits, shape, section)?);
             continue;
         }
         let quick = in_window(limit, limits, [from.point, to.point], [from.feed, to.feed], acceleration);
@@ -128,11 +128,30 @@ fn quick_sections<R: Real>(
             Some(quick) => stages.extend(&quick),
             // S-curves have no acceleration at their begin, as a window's plan may have.
             None if from.feed > R::zero() => return Err(PlanError::StartFeedTooHigh),
-            None => stages.extend(&in_parts(limit, limits, shape, section)?),
+            None => stages.extend(&quicker(limit, limits, shape, section)?),
         }
         acceleration = R::zero();
     }
     Ok(())
+}
+
+/// The stages of a section along the fastest profile, or S-curves where these are no slower.
+fn quicker<R: Real>(
+    limit: &FeedLimit<R>,
+    limits: &KinematicLimits<R>,
+    shape: &RampShape<R>,
+    keys: &[Key<R>],
+) -> Result<Vec<Stage<R>>, PlanError> {
+    let reached = reachable(limit, shape, keys)?;
+    let mut curves = Stages::new(limit);
+    chain(limit, shape, &reached, &mut curves)?;
+    let curves = curves.bare();
+    let quick = in_parts(limit, limits, shape, (keys, &reached, &curves))?;
+    Ok(if duration(&quick) < duration(&curves) { quick } else { curves })
+}
+
+fn duration<R: Real>(stages: &[Stage<R>]) -> R {
+    stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
 }
 
 /// The keys of each section, with the rests or ends of the path on both sides.

@@ -62,6 +62,11 @@ impl<'l, R: Real> Stages<'l, R> {
         self.stages.extend_from_slice(stages);
     }
 
+    /// The stages so far, which have no parameters yet.
+    pub(crate) fn all(&self) -> &[Stage<R>] {
+        &self.stages
+    }
+
     /// The stages, which have no parameters yet.
     pub(crate) fn bare(self) -> Vec<Stage<R>> {
         self.stages

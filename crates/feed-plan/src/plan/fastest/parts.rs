@@ -19,7 +19,7 @@ use crate::plan::fastest::fit::{Fit, HARD, rounding};
 use crate::plan::fastest::sections::{monotone, stage};
 use crate::plan::key_points::Key;
 use crate::plan::ramp_shape::RampShape;
-use crate::plan::ramps::{chain, reachable};
+use crate::plan::ramps::chain;
 use crate::plan::stages::Stages;
 use crate::{FeedLimit, KinematicLimits, PlanError, Stage};
 
@@ -36,12 +36,12 @@ const SAME: i32 = -5;
 /// How often a part is cut again.
 const CUTS: usize = 3;
 
-/// The stages of a section, whose keys these are.
+/// The stages of a section, of which these are all keys, those that can be reached from each other, and the S-curves between them.
 pub(crate) fn in_parts<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     shape: &RampShape<R>,
-    keys: &[Key<R>],
+    (keys, reached, curves): (&[Key<R>], &[Key<R>], &[Stage<R>]),
 ) -> Result<Vec<Stage<R>>, PlanError> {
     let [first, .., last] = keys else { return Ok(Vec::new()) };
     let all = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
@@ -50,6 +50,7 @@ pub(crate) fn in_parts<R: Real>(
         shape,
         period: limits.interpolation_period,
         ends: [first.point, last.point],
+        curves,
         stages: Vec::new(),
         stretch: R::zero(),
     };
@@ -61,11 +62,11 @@ pub(crate) fn in_parts<R: Real>(
         };
         match found {
             Some(fit) if is_sure(&fit) => parts.take(&fit),
-            found => parts.settle(&reachable(limit, shape, keys)?, all, found, CUTS)?,
+            found => parts.settle(reached, all, found, CUTS)?,
         }
         return Ok(parts.finished());
     }
-    for part in alike(&reachable(limit, shape, keys)?, all) {
+    for part in alike(reached, all) {
         parts.plan(part, all, CUTS)?;
     }
     Ok(parts.finished())
@@ -137,6 +138,8 @@ struct Parts<'a, R> {
     period: R,
     /// Where the section begins and ends.
     ends: [usize; 2],
+    /// All of it in S-curves.
+    curves: &'a [Stage<R>],
     stages: Vec<Stage<R>>,
     /// By how much all of them must be stretched, as a share.
     stretch: R,
@@ -165,12 +168,16 @@ impl<R: Real> Parts<'_, R> {
         }
         let most = if self.is_whole(first, last) { MOST_STRETCHED } else { HARD };
         let quick = found.filter(|fit| fit.stretch <= R::one().ldexp(most));
-        let mut slow = Stages::new(self.limit);
-        chain(self.limit, self.shape, keys, &mut slow)?;
-        let slow = slow.bare();
+        let mut part = Stages::new(self.limit);
+        let slow = if self.is_whole(first, last) {
+            self.curves
+        } else {
+            chain(self.limit, self.shape, keys, &mut part)?;
+            part.all()
+        };
         match quick {
-            Some(fit) if fit.duration() + fit.duration() * fit.stretch < duration(&slow) => self.take(&fit),
-            _ => self.stages.extend(slow),
+            Some(fit) if fit.duration() + fit.duration() * fit.stretch < duration(slow) => self.take(&fit),
+            _ => self.stages.extend_from_slice(slow),
         }
         Ok(())
     }
