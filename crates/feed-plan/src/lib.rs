@@ -104,6 +104,7 @@ mod limit {
     pub(crate) mod feed_limit;
     pub(crate) mod fine_moves;
     pub(crate) mod junctions;
+    mod lowered_bends;
     pub(crate) mod lowered_samples;
     mod places;
     mod rounded_moves;
@@ -182,6 +183,7 @@ mod chords {
     mod parts;
     pub(crate) mod planned;
     pub(crate) mod shortfall;
+    mod steps;
     pub(crate) mod stretch;
 }
 

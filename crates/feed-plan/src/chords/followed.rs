@@ -8,10 +8,10 @@ use real::Real;
 
 use crate::chords::lead::Lead;
 use crate::chords::shortfall::Path;
+use crate::chords::steps::Step;
 use crate::cube_root::cube_root;
 use crate::limit::vector::{across, difference};
-use crate::plan::whole_periods::round_up;
-use crate::{KinematicLimits, Schedule, Section};
+use crate::{KinematicLimits, Section};
 
 /// Less than 2⁻¹³ above a limit is no excess, for arcs are found to about so much of it. A section that takes more is slowed down to 2⁻¹⁰
 /// below the limit.
@@ -21,21 +21,6 @@ const BELOW: i32 = -10;
 const LONG: i32 = -8;
 /// Places of a chord at which its distance from the path is looked at.
 const PLACES: i32 = 8;
-
-/// One period of a run, in mm from the path's start.
-#[derive(Clone, Copy)]
-pub(super) struct Step<R> {
-    /// Where the plan in arcs is at the period's end, and how far it has gone in the section.
-    pub(super) planned: R,
-    pub(super) travelled: R,
-    /// Where the run is at the begin and at the end.
-    from: R,
-    pub(super) to: R,
-    chord: R,
-    /// The sum of the chords in the section.
-    pub(super) sum: R,
-    is_last: bool,
-}
 
 /// A chord that leaves the path by more than is allowed: its ends, and a feed at which it would not.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,32 +40,6 @@ pub(super) struct Followed<R> {
 }
 
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
-    /// Shows each period of a section's run by `chords`, which lands on the section's end.
-    pub(super) fn each_step(
-        &self,
-        [arcs, chords]: [&Section<'_, R>; 2],
-        period: R,
-        mut show: impl FnMut(Step<R>),
-    ) {
-        let (Some(first), Some(last)) = (arcs.stages().first(), arcs.stages().last()) else { return };
-        let (begin, stop) = (first.start, last.start + last.length);
-        let Some((periods, _)) = round_up(chords.duration() / period - R::one().half()) else { return };
-        let [arcs, chords] =
-            [arcs, chords].map(|one| Schedule::new(one.stages(), period, u64::from(periods)));
-        let [mut by_arcs, mut by_chords] = [arcs.start(), chords.start()];
-        let (mut travelled, mut sum, mut from) = (R::zero(), R::zero(), begin);
-        while let (Some(arc), Some(chord)) = (arcs.advance(&mut by_arcs), chords.advance(&mut by_chords)) {
-            let is_last = chords.is_over(&by_chords) || by_chords.stage() >= chords.stages().len();
-            (travelled, sum) = (travelled + arc, sum + chord);
-            let to = if is_last { stop } else { (from + self.arc_of_step(from, chord)).min(stop) };
-            show(Step { planned: begin + travelled, travelled, from, to, chord, sum, is_last });
-            from = to;
-            if is_last {
-                break;
-            }
-        }
-    }
-
     /// Follows the run of a section by `chords`, and looks at all that `limits` says of it.
     pub(super) fn followed(
         &self,

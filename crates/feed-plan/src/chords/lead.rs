@@ -8,8 +8,8 @@
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::chords::followed::Step;
 use crate::chords::shortfall::Path;
+use crate::chords::steps::Step;
 use crate::{FeedLimit, Stage, sections};
 
 /// By how much a run is ahead of its plan in arcs, at most, at the end of a period.

@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 
 use real::Real;
 
+use crate::LimitPoint;
 use crate::limit::sample::{ScannedSample, lowered};
-use crate::{FeedLimit, LimitPoint};
 
 /// If two samples are farther apart than 2⁻³ of half a chord, a lower limit may not end at either of them: a sample is
 /// added.
@@ -110,32 +110,5 @@ pub(crate) fn lower_acceleration_around<R: Real>(
     let within = samples.iter_mut().skip(first);
     for sample in within.take_while(|sample| sample.point.distance <= at + reach) {
         sample.allowance.acceleration = sample.allowance.acceleration.min(acceleration);
-    }
-}
-
-impl<R: Real> FeedLimit<R> {
-    /// Lowers the limit to a feed where the path bends between two distances, up to the points beside them.
-    pub(crate) fn lower_bends(&mut self, from: R, to: R, feed: R) {
-        let first = self.samples.partition_point(|sample| sample.point.distance <= from).max(1);
-        for end in first..self.samples.len() {
-            let [begin, end] = [end - 1, end];
-            let (at, before) = (self.samples[end].point.distance, self.samples[begin].point.distance);
-            if before >= to {
-                break;
-            }
-            if !(self.samples[end].bends && at > before) {
-                continue;
-            }
-            for sample in [begin, end] {
-                let sample = &mut self.samples[sample];
-                let limits = [
-                    &mut sample.point.feedrate,
-                    &mut sample.lower,
-                    &mut sample.lower_before,
-                    &mut sample.lower_after,
-                ];
-                limits.into_iter().for_each(|limit| *limit = limit.min(feed));
-            }
-        }
     }
 }

@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::plan::fastest::parts::in_parts;
+use crate::plan::fastest::parts::{SectionKeys, in_parts};
 use crate::plan::fastest::sections::in_window;
 use crate::plan::key_points::{Key, key_points};
 use crate::plan::ramp_shape::RampShape;
@@ -146,7 +146,8 @@ fn quicker<R: Real>(
     let mut curves = Stages::new(limit);
     chain(limit, shape, &reached, &mut curves)?;
     let curves = curves.bare();
-    let quick = in_parts(limit, limits, shape, (keys, &reached, &curves))?;
+    let quick =
+        in_parts(limit, limits, shape, &SectionKeys { all: keys, reached: &reached, curves: &curves })?;
     Ok(if duration(&quick) < duration(&curves) { quick } else { curves })
 }
 

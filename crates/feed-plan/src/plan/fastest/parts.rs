@@ -36,12 +36,21 @@ const SAME: i32 = -5;
 /// How often a part is cut again.
 const CUTS: usize = 3;
 
-/// The stages of a section, of which these are all keys, those that can be reached from each other, and the S-curves between them.
+/// The keys of a section from rest to rest, and its S-curves.
+pub(crate) struct SectionKeys<'a, R> {
+    pub(crate) all: &'a [Key<R>],
+    /// Those that can be reached from each other.
+    pub(crate) reached: &'a [Key<R>],
+    /// The transitions between these.
+    pub(crate) curves: &'a [Stage<R>],
+}
+
+/// The stages of a section.
 pub(crate) fn in_parts<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     shape: &RampShape<R>,
-    (keys, reached, curves): (&[Key<R>], &[Key<R>], &[Stage<R>]),
+    &SectionKeys { all: keys, reached, curves }: &SectionKeys<'_, R>,
 ) -> Result<Vec<Stage<R>>, PlanError> {
     let [first, .., last] = keys else { return Ok(Vec::new()) };
     let all = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
