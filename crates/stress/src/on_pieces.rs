@@ -217,6 +217,8 @@ const SMOOTH: f64 = 1.0 - 1.5e-6;
 /// The factor by which the chord error may exceed its limit, as in a verdict: the planner lowers the feed where a chord would leave the path
 /// by more than 1.004 times what is allowed.
 const CHORD_ERROR_SHARE: f64 = 1.005;
+/// Nor is the chord error checked where rounding may have moved the run along its path by more than this share of what is allowed.
+const NEAR: f64 = 1.0 / 8.0;
 /// The chord error of shorter chords is not checked. A run is within 1e-5 mm of its plan. In a bend so narrow that the
 /// plan passes it with steps as short as this, the run is not at the planned place.
 const SHORT_MM: f64 = 1e-4;
@@ -354,9 +356,12 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             Junction::Deviation(deviation) if !is_smooth => Some(limits.chord_error.max(deviation)),
             _ => is_smooth.then_some(limits.chord_error),
         };
+        // Rounding may have moved a run from its plan by more than tells of the chord error.
+        let is_near = |allowed_mm: &f64| self.adrift - self.astray <= allowed_mm * NEAR;
+        let allowed_mm = allowed_mm.filter(is_near);
         if let Some(allowed_mm) = allowed_mm.filter(|_| is_in_place && wanted > SHORT_MM) {
             // If both ends of a chord are moved along the path, its error grows by no more than they are moved.
-            let error = self.judge.chord_error((from, &start), (to, &end)) - self.adrift;
+            let error = self.judge.chord_error((from, &start), (to, &end)) - self.astray;
             let share = error / allowed_mm;
             if to.0 - from.0 > 1 {
                 // The path bends within a fraction of a step: the plan may not have seen it.

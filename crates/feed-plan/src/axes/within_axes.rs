@@ -93,7 +93,11 @@ pub(crate) fn plan_some_within_axes<const D: usize, C: Differentiate<f64, D> + S
     latest: &ScheduleBuf<f64>,
     is_again: impl Fn([f64; 2]) -> bool + Sync,
 ) -> Result<ScheduleBuf<f64>, PlanError> {
-    let Some(geometry) = Geometry::new(curves, limit) else { return Ok(today.clone()) };
+    let Some(geometry) = Geometry::new(curves, limit) else { return Ok(latest.clone()) };
+    let [count, others] = [today, latest].map(|plan| plan.as_schedule().sections().count());
+    if count != others {
+        return Ok(latest.clone());
+    }
     let both: Vec<_> = today.as_schedule().sections().zip(latest.as_schedule().sections()).collect();
     let again = in_parallel(&both, |(today, _)| {
         let ends = today.stages().first().zip(today.stages().last());

@@ -19,6 +19,8 @@ const SEEN: i32 = -13;
 const BELOW: i32 = -10;
 /// A chord is too long where it leaves the path by more than 2⁻⁸ above what is allowed.
 const LONG: i32 = -8;
+/// Points, and what is taken from them, are off by no more than 2³ roundings of the path's largest length.
+const ROUNDING: i32 = 3;
 /// Places of a chord at which its distance from the path is looked at.
 const PLACES: i32 = 8;
 
@@ -74,8 +76,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         Some(Followed { lead, excess: judged.excess(limits, rounding.ldexp(3)), long })
     }
 
-    /// The chord of a step, if it leaves the path too far. No place of an arc is farther from its chord than half of the root of
-    /// `arc² - chord²`.
+    /// The chord of a step, if it leaves the path too far, by more than rounding may make of it. No place of an arc is farther from its chord
+    /// than half of the root of `arc² - chord²`.
     fn long_chord(&self, step: &Step<R>, arc: R, limits: &KinematicLimits<R>) -> Option<LongChord<R>> {
         let allowed = limits.chord_error + limits.chord_error.ldexp(LONG);
         let farthest = ((arc - step.chord).max(R::zero()) * (arc + step.chord)).sqrt().half();
@@ -87,13 +89,39 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
             difference(&self.arriving(step.from, step.from + (step.to - step.from) * share), &begin)
         };
         let chord = way_to(R::one());
-        let off = |k| R::norm(&across(&way_to(R::from_ratio(k, PLACES)), &chord));
-        let found = (1..PLACES).map(off).fold(R::zero(), R::max);
-        (found > allowed).then(|| {
-            let feed = step.chord / limits.interpolation_period * (limits.chord_error / found).sqrt();
-            LongChord { from: step.from, to: step.to, feed }
+        let off = |k| off_chord(&way_to(R::from_ratio(k, PLACES)), &chord);
+        let (mut before, mut here, mut found) = (R::zero(), R::zero(), R::zero());
+        for next in (1..PLACES).map(off).chain([R::zero()]) {
+            found = found.max(summit([before, here, next]));
+            (before, here) = (here, next);
+        }
+        let farthest = if R::IS_FLOATING { self.limit.length().max(R::norm(&begin)) } else { R::one() };
+        let rounding = (R::resolution() * farthest).ldexp(ROUNDING);
+        (found > allowed + rounding).then(|| {
+            let share = (limits.chord_error / found).sqrt().max(R::one().half());
+            let length = step.chord.max(R::norm(&chord));
+            LongChord { from: step.from, to: step.to, feed: length / limits.interpolation_period * share }
         })
     }
+}
+
+/// The distance of a place from a chord, both as ways from the chord's begin.
+fn off_chord<R: Real, const D: usize>(place: &[R; D], chord: &[R; D]) -> R {
+    let product = |a: &[R; D], b: &[R; D]| R::sum_of_products(a.iter().copied().zip(*b));
+    let (along, square) = (product(place, chord), product(chord, chord));
+    if along <= R::zero() {
+        R::norm(place)
+    } else if along >= square {
+        R::norm(&difference(place, chord))
+    } else {
+        R::norm(&across(place, chord))
+    }
+}
+
+/// The highest value of the parabola through three values, evenly apart, if the middle one is the highest of them; else the middle one.
+fn summit<R: Real>([before, here, next]: [R; 3]) -> R {
+    let (rise, bend) = (next - before, (here - before) + (here - next));
+    if here >= before && here >= next && bend > R::zero() { here + rise * rise / bend.ldexp(3) } else { here }
 }
 
 /// The largest differences of first and second order between the arcs of successive periods.

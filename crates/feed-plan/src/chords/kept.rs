@@ -17,97 +17,134 @@ use crate::chords::lead::Lead;
 use crate::chords::shortfall::Path;
 use crate::plan::whole_periods::{MOST_PERIODS, round_up, stretch_section};
 use crate::schedule::section;
-use crate::{FeedLimit, KinematicLimits, PlanError, ScheduleBuf, sections};
+use crate::{FeedLimit, KinematicLimits, PlanError, ScheduleBuf, Section, sections};
 
-/// How often a path is planned again or slowed down, at most.
+/// How often sections are planned again or slowed down, at most, and in the first how many trials they are planned again.
 const TRIALS: usize = 6;
+const LOWERINGS: usize = 4;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more, all of the section would pay for
 /// it, and the run is left to its judge.
 const MOST: i32 = -6;
 
-/// A plan in arcs with its chords, by how much the run of each section is ahead, and whether the plan was changed for its run.
+/// A plan in arcs with its chords, and what is known of the run of each section.
 pub(crate) struct Kept<R> {
     pub(crate) arcs: ScheduleBuf<R>,
     pub(crate) chords: ScheduleBuf<R>,
-    pub(crate) leads: Vec<Lead<R>>,
+    sections: Vec<KeptSection<R>>,
+    /// Whether the plan was changed for its run.
     pub(crate) is_changed: bool,
 }
 
-/// The plan `arcs` and its chords, planned again under a lower limit where chords are too long, and slowed down where the run's arcs take
-/// more than the acceleration or jerk of `limits`. `plan_again` plans the sections of these chords under the lower limit, and leaves others
-/// as they are in the plan that it is given.
+#[derive(Clone, Copy)]
+struct KeptSection<R> {
+    lead: Lead<R>,
+    /// Whether the run keeps what it is followed for.
+    is_kept: bool,
+}
+
+/// The plan `arcs` and its chords. A section is planned again under a lower limit where its chords are too long, and slowed down where
+/// the arcs of its run take more than the acceleration or jerk of `limits`. `plan_again` plans the sections of these chords, and may leave
+/// others as they are in the plan that it is given.
 pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
     limit: &FeedLimit<R>,
     mut arcs: ScheduleBuf<R>,
     curves: &[C],
     limits: &KinematicLimits<R>,
     plan_again: impl Fn(&FeedLimit<R>, &ScheduleBuf<R>, &[LongChord<R>]) -> Result<ScheduleBuf<R>, PlanError>,
-) -> Result<Kept<R>, PlanError> {
+) -> Kept<R> {
     let mut longest = most_of(&arcs);
     let mut lowered: Option<FeedLimit<R>> = None;
-    for trial in 0.. {
+    let mut trial = 0;
+    loop {
         let (chords, followed) = limit.followed(curves, &arcs, limits);
-        let leads = followed.iter().map(|one| one.lead).collect();
-        let kept = |arcs, chords| Ok(Kept { arcs, chords, leads, is_changed: trial > 0 });
-        if trial == TRIALS {
-            return kept(arcs, chords);
-        }
-        let long: Vec<_> = followed.iter().flat_map(|one| one.long.iter().copied()).collect();
-        if !long.is_empty() {
-            let lowered = lowered.get_or_insert_with(|| limit.clone());
-            long.iter().for_each(|chord| lowered.lower_bends(chord.from, chord.to, chord.feed));
-            arcs = plan_again(lowered, &arcs, &long)?;
-            longest = most_of(&arcs);
-            continue;
-        }
+        // After some trials, what cannot be planned again is left to its judge.
+        let is_long = |one: &Followed<R>| trial < LOWERINGS && !one.long.is_empty();
         let durations = sections(arcs.stages()).map(|section| section.duration());
         let share = |((duration, one), longest): ((R, &Followed<R>), &R)| {
             let takes = duration * (R::one() + one.excess);
-            if takes > *longest { R::zero() } else { one.excess }
+            if takes > *longest || is_long(one) { R::zero() } else { one.excess }
         };
         let shares: Vec<_> = durations.zip(&followed).zip(&longest).map(share).collect();
-        let is_slow = !shares.iter().any(|share| *share > R::zero());
-        match slowed(&arcs, &shares).filter(|_| !is_slow) {
-            Some(slower) => arcs = slower,
-            None => return kept(arcs, chords),
+        let slower = shares.iter().any(|share| *share > R::zero()).then(|| slowed(&arcs, &shares)).flatten();
+        let long: Vec<_> = followed.iter().map(&is_long).collect();
+        let again = long.iter().any(|is_long| *is_long).then(|| {
+            let lowered = lowered.get_or_insert_with(|| limit.clone());
+            let all: Vec<_> = followed.iter().flat_map(|one| one.long.iter().copied()).collect();
+            all.iter().for_each(|chord| lowered.lower_bends(chord.from, chord.to, chord.feed));
+            plan_again(lowered, &arcs, &all).ok()
+        });
+        let again = again.flatten();
+        if trial == TRIALS || (slower.is_none() && again.is_none()) {
+            let section = |one: &Followed<R>| KeptSection {
+                lead: one.lead,
+                is_kept: one.long.is_empty() && one.excess.is_zero(),
+            };
+            let sections = followed.iter().map(section).collect();
+            return Kept { arcs, chords, sections, is_changed: trial > 0 };
         }
+        arcs = slower.unwrap_or(arcs);
+        if let Some(again) = again {
+            arcs = by_sections(&arcs, &again, &long);
+            let mosts = most_of(&arcs).into_iter().zip(&long);
+            longest
+                .iter_mut()
+                .zip(mosts)
+                .filter(|(_, (_, long))| **long)
+                .for_each(|(longest, (most, _))| *longest = most);
+        }
+        trial += 1;
     }
-    Err(PlanError::DurationOverflows)
+}
+
+/// A plan with the sections of another one where that is said; both rest at the same places, or it stays as it is.
+fn by_sections<R: Real>(plan: &ScheduleBuf<R>, other: &ScheduleBuf<R>, is_other: &[bool]) -> ScheduleBuf<R> {
+    let [own, others] = [plan, other].map(|plan| sections(plan.stages()).collect::<Vec<_>>());
+    if own.len() != others.len() {
+        return plan.clone();
+    }
+    let mut found = ScheduleBuf { stages: Vec::with_capacity(plan.stages().len()), periods: 0, ..*plan };
+    for ((own, other), is_other) in own.iter().zip(&others).zip(is_other) {
+        let section = if *is_other { other } else { own };
+        found.stages.extend_from_slice(section.stages());
+        found.periods = found.periods.saturating_add(periods_of(section, plan.interpolation_period).into());
+    }
+    found
+}
+
+/// The whole periods that a section takes, but for rounding.
+fn periods_of<R: Real>(section: &Section<'_, R>, period: R) -> u32 {
+    round_up(section.duration() / period - R::one().half()).map_or(0, |(periods, _)| periods)
 }
 
 impl<R: Real> Kept<R> {
-    /// Of each section the one of both plans that takes less time, this one if both take the same. Both rest at the same places.
+    /// Of each section the one of both plans that takes fewer periods, if its run is kept like the other's. Both rest at the same places.
     pub(crate) fn faster_by_sections(self, other: Self) -> Self {
-        if self.leads.len() != other.leads.len() {
+        let period = self.arcs.interpolation_period;
+        let periods = |plan: &Self| -> Vec<_> {
+            sections(plan.arcs.stages()).map(|section| periods_of(&section, period)).collect()
+        };
+        let [own, others] = [&self, &other].map(periods);
+        let both = own.iter().zip(&others).zip(self.sections.iter().zip(&other.sections));
+        let is_other: Vec<_> = both
+            .map(|((own, others), (kept, other))| others < own && (other.is_kept || !kept.is_kept))
+            .collect();
+        if own.len() != others.len() || !is_other.iter().any(|is_other| *is_other) {
             return self;
         }
-        let period = self.arcs.interpolation_period;
-        let mut found = Self {
-            arcs: ScheduleBuf { stages: Vec::new(), periods: 0, ..self.arcs },
-            chords: ScheduleBuf { stages: Vec::new(), periods: 0, ..self.chords },
-            leads: Vec::with_capacity(self.leads.len()),
-            is_changed: true,
+        let section = |((own, other), is_other): ((&KeptSection<R>, &KeptSection<R>), &bool)| {
+            if *is_other { *other } else { *own }
         };
-        let [own, others] = [&self, &other].map(|plan| {
-            let both = sections(plan.arcs.stages()).zip(sections(plan.chords.stages()));
-            both.zip(plan.leads.iter().copied())
-        });
-        for (own, other) in own.zip(others) {
-            let ((arcs, chords), lead) = if other.0.0.duration() < own.0.0.duration() { other } else { own };
-            let taken = round_up(arcs.duration() / period - R::one().half());
-            let taken = taken.map_or(0, |(periods, _)| u64::from(periods));
-            for (plan, section) in [(&mut found.arcs, arcs), (&mut found.chords, chords)] {
-                plan.stages.extend_from_slice(section.stages());
-                plan.periods = plan.periods.saturating_add(taken);
-            }
-            found.leads.push(lead);
+        Self {
+            arcs: by_sections(&self.arcs, &other.arcs, &is_other),
+            chords: by_sections(&self.chords, &other.chords, &is_other),
+            sections: self.sections.iter().zip(&other.sections).zip(&is_other).map(section).collect(),
+            is_changed: true,
         }
-        found
     }
 
     /// By how much the run is ahead at most.
     pub(crate) fn lead(&self) -> Lead<R> {
-        self.leads.iter().fold(Lead::none(), |most, lead| most.max(*lead))
+        self.sections.iter().fold(Lead::none(), |most, section| most.max(section.lead))
     }
 }
 
@@ -155,7 +192,7 @@ mod tests {
     use nurbs_core::NurbsBuf;
 
     use super::*;
-    use crate::test_paths::in_periods;
+    use crate::test_paths::{hashed, in_periods, in_range};
     use crate::{EndFeeds, Planned, ProfileKind, plan_with};
 
     /// Waves on a machine whose chords are short beside the chord error that it allows.
@@ -193,5 +230,32 @@ mod tests {
             }
         }
         assert!(repaired > 2 && slower > 0.0, "{repaired} {slower}");
+    }
+
+    /// Rounding of f32 is more than a 256th of the chord error here: nearly every plan was lowered for it, by up to 5 % of its time.
+    #[test]
+    fn rounding_is_no_long_chord() {
+        let (mut periods, mut before) = (0, 0);
+        for seed in 0..12_u64 {
+            let share = |i: u64, bits: u32| f64::from(hashed(100 * seed + i) >> bits & 0xff) / 256.0;
+            let mut at = [90.0, 100.0];
+            let points: Vec<_> = (0..14)
+                .map(|i| {
+                    at = [at[0] + 12.0 * (share(i, 0) - 0.3), at[1] + 12.0 * (share(i, 8) - 0.5)];
+                    at
+                })
+                .collect();
+            let inner = (1..11).map(f64::from);
+            let knots = [0.0; 4].into_iter().chain(inner).chain([11.0; 4]).collect();
+            let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap().convert::<f32>().unwrap();
+            let limits = in_range::<f32>(&in_periods(3e-3, 200.0, 5000.0, 4e5, 5e-4));
+            let planned =
+                Planned::along(&[curve.as_curve()], &limits, EndFeeds::default(), ProfileKind::SCurve)
+                    .unwrap();
+            let plain = plan_with(&planned.limit, &limits, EndFeeds::default(), ProfileKind::SCurve).unwrap();
+            periods += planned.arcs.as_schedule().periods();
+            before += plain.as_schedule().periods();
+        }
+        assert!(periods <= before + before / 500, "{periods} for {before}");
     }
 }

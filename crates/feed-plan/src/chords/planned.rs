@@ -62,9 +62,9 @@ impl<R: Real> Planned<R> {
             let lead = limit.lead(curves, arcs.stages(), chords.stages(), limits.interpolation_period);
             return Ok(Self { limit, arcs, chords, lead });
         }
-        let mut found = kept(&limit, arcs, curves, limits, |limit, _, _| plan(limit, kind))?;
+        let mut found = kept(&limit, arcs, curves, limits, |limit, _, _| plan(limit, kind));
         if kind == ProfileKind::Fastest && found.is_changed {
-            found = found.faster_by_sections(s_curves(&limit, curves, limits, ends)?);
+            found = or_s_curves(found, &limit, curves, limits, ends);
         }
         Ok(Self::of(limit, found))
     }
@@ -82,15 +82,19 @@ impl<R: Real> Planned<R> {
     }
 }
 
-/// The plan in S-curves, kept by its run.
-fn s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
+/// A plan, or S-curves in each section in which they are faster and kept by their run too; where there are none, the plan.
+fn or_s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
+    found: Kept<R>,
     limit: &FeedLimit<R>,
     curves: &[C],
     limits: &KinematicLimits<R>,
     ends: EndFeeds<R>,
-) -> Result<Kept<R>, PlanError> {
+) -> Kept<R> {
     let plan = |limit: &FeedLimit<R>| plan_with(limit, limits, ends, ProfileKind::SCurve);
-    kept(limit, plan(limit)?, curves, limits, |limit, _, _| plan(limit))
+    match plan(limit) {
+        Ok(arcs) => found.faster_by_sections(kept(limit, arcs, curves, limits, |limit, _, _| plan(limit))),
+        Err(_) => found,
+    }
 }
 
 impl Planned<f64> {
@@ -110,9 +114,9 @@ impl Planned<f64> {
         let arcs = plan_within_axes(curves, limits, &limit, &today)?;
         let mut found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
             plan_some_within_axes((curves, limits, limit), &quick(limit)?, latest, is_on(long))
-        })?;
+        });
         if found.is_changed {
-            found = found.faster_by_sections(s_curves(&limit, curves, limits, ends)?);
+            found = or_s_curves(found, &limit, curves, limits, ends);
         }
         Ok(Self::of(limit, found))
     }
@@ -132,11 +136,10 @@ impl Planned<f64> {
         let arcs = plan_within_axes(curves, limits, &limit, today)?;
         let mut found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
             plan_some_within_axes((curves, limits, limit), today, latest, is_on(long))
-        })?;
+        });
         if found.is_changed {
-            found = found.faster_by_sections(kept(&limit, today.clone(), curves, limits, |_, latest, _| {
-                Ok(latest.clone())
-            })?);
+            let today = kept(&limit, today.clone(), curves, limits, |_, latest, _| Ok(latest.clone()));
+            found = found.faster_by_sections(today);
         }
         Ok(Self::of(limit, found))
     }

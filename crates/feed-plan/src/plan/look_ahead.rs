@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::plan::fastest::parts::{SectionKeys, in_parts};
+use crate::plan::fastest::parts::{SectionKeys, SlowWay, in_parts};
 use crate::plan::fastest::sections::in_window;
 use crate::plan::key_points::{Key, key_points};
 use crate::plan::ramp_shape::RampShape;
@@ -142,13 +142,19 @@ fn quicker<R: Real>(
     shape: &RampShape<R>,
     keys: &[Key<R>],
 ) -> Result<Vec<Stage<R>>, PlanError> {
-    let reached = reachable(limit, shape, keys)?;
-    let mut curves = Stages::new(limit);
-    chain(limit, shape, &reached, &mut curves)?;
-    let curves = curves.bare();
+    // There may be none to or from a feed at an end of the path that the fastest profile has.
+    let slow = reachable(limit, shape, keys).and_then(|reached| {
+        let mut curves = Stages::new(limit);
+        chain(limit, shape, &reached, &mut curves)?;
+        Ok((reached, curves.bare()))
+    });
+    let of_slow = slow.as_ref().map(|(reached, curves)| SlowWay { reached, curves });
     let quick =
-        in_parts(limit, limits, shape, &SectionKeys { all: keys, reached: &reached, curves: &curves })?;
-    Ok(if duration(&quick) < duration(&curves) { quick } else { curves })
+        in_parts(limit, limits, shape, &SectionKeys { all: keys, slow: of_slow.map_err(|error| *error) })?;
+    Ok(match slow {
+        Ok((_, curves)) if !(duration(&quick) < duration(&curves)) => curves,
+        _ => quick,
+    })
 }
 
 fn duration<R: Real>(stages: &[Stage<R>]) -> R {
@@ -199,6 +205,24 @@ mod tests {
             let jerk_free = jerk_free_duration(&limit, &limits, EndFeeds::default());
             assert!((jerk_free - bound).abs() < 0.5, "{name}: {jerk_free}");
         }
+    }
+
+    /// S-curves have no acceleration at a feed with which a path begins, so they cannot follow a limit that falls there at once. The fastest
+    /// profile can, nearly.
+    #[test]
+    fn a_path_that_begins_at_its_limit_needs_no_s_curves() {
+        let limits = paper_limits();
+        let mut alone = 0;
+        for k in 1..=200 {
+            let fall = 1e-4 * f64::from(k);
+            let limit = limit_through(&[(0.0, 0.5), (2.0, 0.5 - fall), (30.0, 0.3), (60.0, 0.5)]);
+            let ends = EndFeeds { start: 0.5, end: 0.0 };
+            let [fast, slow] = [ProfileKind::Fastest, ProfileKind::SCurve]
+                .map(|kind| plan_with(&limit, &limits, ends, kind).is_ok());
+            assert!(fast || !slow, "{fall}");
+            alone += u32::from(fast && !slow);
+        }
+        assert!(alone > 0);
     }
 
     #[test]

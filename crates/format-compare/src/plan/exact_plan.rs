@@ -29,7 +29,7 @@ pub struct ExactPlan {
     /// limit is made at the first call.
     limit: OnceLock<FeedLimit<f64>>,
     /// The result of [`lead`](Self::lead), found in the same way.
-    lead: OnceLock<Lead<f64>>,
+    lead: OnceLock<Option<Lead<f64>>>,
 }
 
 /// The feed of each curve in the format `R`, in mm per period, if the highest is `highest`. The format rounds the ratio
@@ -66,7 +66,7 @@ fn fastest_or<C: Differentiate<f64, D> + Sync, const D: usize>(
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         return Planned::fastest(limit, curves, limits, EndFeeds { start, end }).map_err(refusal);
     }
-    // A long path's limit takes much memory: there is one at a time.
+    // The limit of a long path takes much memory: that of today's plan goes before the other is made.
     let today = planned(curves, limits, problem, end_feeds_mm_per_s, profile)?.arcs;
     let limit = FeedLimit::without_reserves(curves, limits, &problem.stops)?.capped(feed_of)?;
     Planned::within_axes(&today, limit, curves, limits).map_err(refusal)
@@ -116,7 +116,7 @@ impl ExactPlan {
             let planned = fastest_or(&curves, &limits, problem, end_feeds_mm_per_s, profile)?;
             drop(curves);
             let plan = Self::of(&planned, profile);
-            return Ok(Self { limit: planned.limit.into(), lead: planned.lead.into(), ..plan });
+            return Ok(Self { limit: planned.limit.into(), lead: Some(planned.lead).into(), ..plan });
         }
         let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
         let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
@@ -183,19 +183,18 @@ impl ExactPlan {
         }
     }
 
-    /// By how much a run by the plan for setpoints is ahead of the plan along the path, in f64, in mm. `problem` must be the one that was
-    /// planned.
-    ///
-    /// # Errors
-    /// As [`limit`](Self::limit).
-    pub(crate) fn lead<const D: usize>(&self, problem: &Problem<D>) -> Result<Lead<f64>, PlanError> {
-        if let Some(lead) = self.lead.get() {
-            return Ok(*lead);
-        }
-        let [arcs, chords] = [&self.arcs, &self.chords]
-            .map(|stages| stages.iter().map(|stage| stage.map(DoubleDouble::value)).collect::<Vec<_>>());
-        let lead = problem.feed_limit()?.lead(&problem.fast_curves(), &arcs, &chords, 1.0);
-        Ok(*self.lead.get_or_init(|| lead))
+    /// By how much a run by the plan for setpoints is ahead of the plan along the path, in f64, in mm; `None` if the path has no limit in f64.
+    /// `problem` must be the one that was planned.
+    pub(crate) fn lead<const D: usize>(&self, problem: &Problem<D>) -> Option<Lead<f64>> {
+        *self.lead.get_or_init(|| {
+            let [arcs, chords] = [&self.arcs, &self.chords]
+                .map(|stages| stages.iter().map(|stage| stage.map(DoubleDouble::value)).collect::<Vec<_>>());
+            let lead = |limit: &FeedLimit<f64>| limit.lead(&problem.fast_curves(), &arcs, &chords, 1.0);
+            match self.limit.get() {
+                Some(limit) => Some(lead(limit)),
+                None => problem.feed_limit().ok().map(|limit| lead(&limit)),
+            }
+        })
     }
 
     /// The plan without its limit, which takes more memory than the path.

@@ -24,7 +24,7 @@ impl<const D: usize> Job<'_, D> {
     /// has no limit in f64.
     pub(crate) fn lead(&self) -> Option<Lead<f64>> {
         let is_as_planned = self.options.overrides.is_none();
-        is_as_planned.then(|| self.plan.lead(self.problem).ok()).flatten()
+        is_as_planned.then(|| self.plan.lead(self.problem)).flatten()
     }
 }
 

@@ -39,9 +39,14 @@ const CUTS: usize = 3;
 /// The keys of a section from rest to rest, and its S-curves.
 pub(crate) struct SectionKeys<'a, R> {
     pub(crate) all: &'a [Key<R>],
-    /// Those that can be reached from each other.
+    /// Its S-curves, or why there are none.
+    pub(crate) slow: Result<SlowWay<'a, R>, PlanError>,
+}
+
+/// The keys that can be reached from each other, and the transitions between them.
+#[derive(Clone, Copy)]
+pub(crate) struct SlowWay<'a, R> {
     pub(crate) reached: &'a [Key<R>],
-    /// The transitions between these.
     pub(crate) curves: &'a [Stage<R>],
 }
 
@@ -50,9 +55,10 @@ pub(crate) fn in_parts<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     shape: &RampShape<R>,
-    &SectionKeys { all: keys, reached, curves }: &SectionKeys<'_, R>,
+    &SectionKeys { all: keys, slow }: &SectionKeys<'_, R>,
 ) -> Result<Vec<Stage<R>>, PlanError> {
     let [first, .., last] = keys else { return Ok(Vec::new()) };
+    let curves = slow.map_or(&[][..], |slow| slow.curves);
     let all = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
     let mut parts = Parts {
         limit,
@@ -71,11 +77,11 @@ pub(crate) fn in_parts<R: Real>(
         };
         match found {
             Some(fit) if is_sure(&fit) => parts.take(&fit),
-            found => parts.settle(reached, all, found, CUTS)?,
+            found => parts.settle(slow?.reached, all, found, CUTS)?,
         }
         return Ok(parts.finished());
     }
-    for part in alike(reached, all) {
+    for part in alike(slow?.reached, all) {
         parts.plan(part, all, CUTS)?;
     }
     Ok(parts.finished())
