@@ -20,10 +20,10 @@ impl<const D: usize> Job<'_, D> {
         most_periods(self.plan.periods())
     }
 
-    /// By how much a run by the chords that were planned is ahead of the plan along the path; `None` if the feed is overridden, or the path
-    /// has no limit in f64.
+    /// By how much a run by the chords that were planned is ahead of the plan along the path; `None` if the feed is overridden, the plan sees
+    /// a window of the path alone, or the path has no limit in f64.
     pub(crate) fn lead(&self) -> Option<Lead<f64>> {
-        let is_as_planned = self.options.overrides.is_none();
+        let is_as_planned = self.options.overrides.is_none() && self.options.window_mm.is_none();
         is_as_planned.then(|| self.plan.lead(self.problem)).flatten()
     }
 }
