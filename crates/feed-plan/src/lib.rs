@@ -8,7 +8,7 @@
 //! | `schedule/` | what is a plan, and how far does it go in each period? | [`Stage`], [`Section`], [`Schedule`], [`Cursor`], [`ScheduleBuf`] |
 //! | `plan/` | which feed is reached where? Key points, passes, cruise, whole periods | [`plan()`], [`plan_with`] |
 //! | | what can no plan beat? | [`jerk_free_duration`], and with the jerk limited [`least_duration`] |
-//! | `axes/` | what is the fastest plan where single axes are limited? Interior point on a spline of v² | [`plan_within_axes`] |
+//! | `axes/` | what is the fastest plan, where single axes are limited too? Interior point on a spline of v² | [`plan_within_axes`] |
 //! | `chords/` | which plan do setpoints keep whose chords, not arcs, have the planned lengths? | [`FeedLimit::in_chords`]; its parts [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
 //! | | all of it in one call: the limit, the plan in arcs, the plan in chords | [`Planned`] |
 //! | `window/` | which plans are these of a path of any length, of which no more than a window is in view? | [`plan_through_window`] |

@@ -30,10 +30,11 @@ use crate::axes::rows::{WayCell, all_of, places, program};
 use crate::axes::spline::{Spline, near};
 use crate::axes::way::{Strain, Way};
 use crate::parallel::in_parallel;
-use crate::plan::least_duration::least_duration_between;
+use crate::plan::least_duration::BoundedWay;
 use crate::plan::stages::Stages;
-use crate::plan::whole_periods::{SLOWER, round_up, stretch_section, whole_periods};
+use crate::plan::whole_periods::{SLOWER, periods_taken, stretch_section, whole_periods};
 use crate::schedule::section::Section;
+use crate::schedule::stage::duration as duration_of;
 use crate::{FeedLimit, FeedPiece, KinematicLimits, PlanError, ScheduleBuf, Stage};
 
 /// Iterations of the program, at most.
@@ -68,8 +69,8 @@ struct Effort {
 
 /// The plan with each way from rest to rest replaced by a faster one, where it bends and there is one.
 ///
-/// `limit` is the feed limit [without reserves](FeedLimit::without_reserves) of these curves, `today` a plan under
-/// [`FeedLimit::along`] them. From a replaced way on, the plan keeps the feed limit, acceleration and jerk of the path, and of each
+/// `limit` is the feed limit [without reserves](FeedLimit::without_reserves) of these curves, which is that
+/// [along](FeedLimit::along) them where no axis is limited, and `today` a plan under the latter. From a replaced way on, the plan keeps the feed limit, acceleration and jerk of the path, and of each
 /// axis velocity `e v`, acceleration `e a + k v²` and jerk `e j + 3 k v a + c v³`, seen at ten places a period,
 /// but for rounding; where a period is shorter than 1/128 of the time A/J, at ten places in that share.
 /// Not the least time: the program is not convex, and the arcs lose a little. Takes no more than 60 iterations for each of five
@@ -112,9 +113,8 @@ pub(crate) fn plan_some_within_axes<const D: usize, C: Differentiate<f64, D> + S
             Some(None) => stages.extend_from_slice(today.stages()),
             None => stages.extend_from_slice(latest.stages()),
         }
-        let duration: f64 = stages.iter().skip(begin).map(|stage: &Stage<f64>| stage.duration).sum();
-        let (taken, _) =
-            round_up(duration / limits.interpolation_period - 0.5).ok_or(PlanError::DurationOverflows)?;
+        let taken = duration_of(stages.get(begin..).unwrap_or_default());
+        let taken = periods_taken(taken, limits.interpolation_period).ok_or(PlanError::DurationOverflows)?;
         periods = periods.saturating_add(u64::from(taken));
     }
     Ok(ScheduleBuf { stages, periods, ..*today })
@@ -168,12 +168,13 @@ fn may_take_less(
     ends: (f64, f64),
     periods: u32,
 ) -> bool {
-    // The rough bound tells of most ways that they may not, in a fraction of the time.
-    [true, false].into_iter().all(|is_rough| {
-        let least = least_duration_between(limit, limits, ends, is_rough);
+    let is_less = |least: f64| {
         let least = whole_periods(least, 1.0_f64.ldexp(SLOWER), limits.interpolation_period);
         least.is_some_and(|(least, _)| least < periods - (periods >> WORTH_SAVING.unsigned_abs()))
-    })
+    };
+    // The rough bound tells of most ways that they may not, in a fraction of the time.
+    let way = BoundedWay::between(limit, limits, ends);
+    is_less(way.rough_duration()) && is_less(way.least_duration())
 }
 
 /// The pieces of a way that takes so long today, which keep every limit, before they take whole periods. None are made if they would take

@@ -13,8 +13,8 @@ use crate::cube_root::cube_root;
 use crate::limit::vector::{across, difference};
 use crate::{KinematicLimits, Section};
 
-/// Less than 2⁻¹³ above a limit is no excess, for arcs are found to about so much of it. A section that takes more is slowed down to 2⁻¹⁰
-/// below the limit.
+/// An excess of less than 2⁻¹³ of a limit is ignored: the lengths of arcs are that uncertain. A section that takes more is slowed down to
+/// 2⁻¹⁰ below the limit.
 const SEEN: i32 = -13;
 const BELOW: i32 = -10;
 /// A chord is too long where it leaves the path by more than 2⁻⁸ above what is allowed.
@@ -32,7 +32,7 @@ pub(crate) struct LongChord<R> {
     pub(crate) feed: R,
 }
 
-/// What a section's run was found to do.
+/// The findings about the run of a section.
 #[derive(Clone, Debug)]
 pub(super) struct Followed<R> {
     pub(super) lead: Lead<R>,
@@ -42,7 +42,7 @@ pub(super) struct Followed<R> {
 }
 
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
-    /// Follows the run of a section by `chords`, and looks at all that `limits` says of it.
+    /// Follows a section's run by its chords; `both` are the section in arcs and in chords.
     pub(super) fn followed(
         &self,
         both: [&Section<'_, R>; 2],
@@ -76,8 +76,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         Some(Followed { lead, excess: judged.excess(limits, rounding.ldexp(3)), long })
     }
 
-    /// The chord of a step, if it leaves the path too far, by more than rounding may make of it. No place of an arc is farther from its chord
-    /// than half of the root of `arc² - chord²`.
+    /// The chord of a step if its distance from the path exceeds what is allowed by more than rounding explains. That distance is at most
+    /// half of `√(arc² - chord²)`, so that most chords need no look at the path.
     fn long_chord(&self, step: &Step<R>, arc: R, limits: &KinematicLimits<R>) -> Option<LongChord<R>> {
         let allowed = limits.chord_error + limits.chord_error.ldexp(LONG);
         let farthest = ((arc - step.chord).max(R::zero()) * (arc + step.chord)).sqrt().half();
@@ -133,7 +133,7 @@ struct Differences<R> {
 }
 
 impl<R: Real> Differences<R> {
-    /// Those behind a rest, or behind a motion that is not known.
+    /// No differences yet. The two steps before the first have no length if it follows a rest, and are unknown otherwise.
     fn after(rest: bool) -> Self {
         let count = if rest { 2 } else { 0 };
         Self { last: [R::zero(); 2], count, acceleration: R::zero(), jerk: R::zero() }
@@ -151,7 +151,8 @@ impl<R: Real> Differences<R> {
         self.count = self.count.saturating_add(1);
     }
 
-    /// The share by which the steps must be made slower to keep acceleration and jerk, of which rounding hides so much; 0 if they do.
+    /// The share by which the motion must be slowed down to keep acceleration and jerk; 0 if it keeps them. `hidden` is the rounding of a
+    /// difference.
     fn excess(&self, limits: &KinematicLimits<R>, hidden: R) -> R {
         let period = limits.interpolation_period;
         let acceleration = limits.acceleration * period * period;

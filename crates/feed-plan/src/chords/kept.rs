@@ -15,12 +15,14 @@ use real::Real;
 use crate::chords::followed::{Followed, LongChord};
 use crate::chords::lead::Lead;
 use crate::chords::shortfall::Path;
-use crate::plan::whole_periods::{MOST_PERIODS, round_up, stretch_section};
+use crate::plan::whole_periods::{MOST_PERIODS, periods_taken, stretch_section};
 use crate::schedule::section;
+use crate::schedule::stage::duration;
 use crate::{FeedLimit, KinematicLimits, PlanError, ScheduleBuf, Section, sections};
 
-/// How often sections are planned again or slowed down, at most, and in the first how many trials they are planned again.
+/// Trials in which sections are planned again or slowed down, at most.
 const TRIALS: usize = 6;
+/// Sections are planned again in the first of them alone, so many.
 const LOWERINGS: usize = 4;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more, all of the section would pay for
 /// it, and the run is left to its judge.
@@ -111,9 +113,9 @@ fn by_sections<R: Real>(plan: &ScheduleBuf<R>, other: &ScheduleBuf<R>, is_other:
     found
 }
 
-/// The whole periods that a section takes, but for rounding.
+/// The whole periods that a section takes.
 fn periods_of<R: Real>(section: &Section<'_, R>, period: R) -> u32 {
-    round_up(section.duration() / period - R::one().half()).map_or(0, |(periods, _)| periods)
+    periods_taken(section.duration(), period).unwrap_or(0)
 }
 
 impl<R: Real> Kept<R> {
@@ -148,7 +150,7 @@ impl<R: Real> Kept<R> {
     }
 }
 
-/// What each section may take at most.
+/// The longest time that each section may take once it is slowed down.
 fn most_of<R: Real>(plan: &ScheduleBuf<R>) -> Vec<R> {
     let most = R::one() + R::one().ldexp(MOST);
     sections(plan.stages()).map(|section| section.duration() * most).collect()
@@ -177,8 +179,7 @@ fn slowed<R: Real>(plan: &ScheduleBuf<R>, shares: &[R]) -> Option<ScheduleBuf<R>
     for share in shares {
         let (stages, behind) = rest.split_at_mut(section::count(rest));
         if *share > R::zero() {
-            let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
-            let (before, _) = round_up(duration / period - R::one().half())?;
+            let before = periods_taken(duration(stages), period)?;
             let taken = stretch_section(stages, *share, period).ok()?;
             slower.periods = slower.periods.saturating_sub(before.into()).saturating_add(taken.into());
         }

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::chords::stretch::goes_on;
+use crate::schedule::stage::duration;
 use crate::{FeedLimit, FeedPiece, Stage, StageShape};
 
 /// Acceleration and jerk of a change of feed may rise by 2⁻¹² of themselves: the least that the stretch to whole
@@ -109,7 +110,7 @@ pub(super) fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -
     for change in stages.chunk_by(goes_on) {
         let (Some(begins), Some(ends)) = (change.first(), change.last()) else { continue };
         let behind = first + change.len();
-        let duration = change.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
+        let duration = duration(change);
         let shortfall = shortfalls.iter().take(behind).skip(first);
         let shortfall = shortfall.fold(R::zero(), |sum, part| sum + part.max(R::zero()));
         let feeds = [begins.start_feed, ends.end_feed];

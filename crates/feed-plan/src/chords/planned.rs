@@ -54,18 +54,19 @@ impl<R: Real> Planned<R> {
         ends: EndFeeds<R>,
         kind: ProfileKind,
     ) -> Result<Self, PlanError> {
-        let plan = |limit: &FeedLimit<R>, kind| plan_with(limit, limits, ends, kind);
-        let arcs = plan(&limit, kind)?;
+        let plan = |limit: &FeedLimit<R>| plan_with(limit, limits, ends, kind);
+        let arcs = plan(&limit)?;
         if kind == ProfileKind::WithoutLookAhead {
             // Such a plan keeps no limit.
             let chords = limit.in_chords(curves, &arcs);
             let lead = limit.lead(curves, arcs.stages(), chords.stages(), limits.interpolation_period);
             return Ok(Self { limit, arcs, chords, lead });
         }
-        let mut found = kept(&limit, arcs, curves, limits, |limit, _, _| plan(limit, kind));
-        if kind == ProfileKind::Fastest && found.is_changed {
-            found = or_s_curves(found, &limit, curves, limits, ends);
-        }
+        let found = kept(&limit, arcs, curves, limits, |limit, _, _| plan(limit));
+        let found = match kind {
+            ProfileKind::Fastest => or_s_curves(found, &limit, curves, limits, ends),
+            _ => found,
+        };
         Ok(Self::of(limit, found))
     }
 
@@ -82,7 +83,7 @@ impl<R: Real> Planned<R> {
     }
 }
 
-/// A plan, or S-curves in each section in which they are faster and kept by their run too; where there are none, the plan.
+/// A plan; if it was changed for its run, with S-curves in each section in which they are faster and kept by their run too.
 fn or_s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
     found: Kept<R>,
     limit: &FeedLimit<R>,
@@ -91,6 +92,9 @@ fn or_s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
     ends: EndFeeds<R>,
 ) -> Kept<R> {
     let plan = |limit: &FeedLimit<R>| plan_with(limit, limits, ends, ProfileKind::SCurve);
+    if !found.is_changed {
+        return found;
+    }
     match plan(limit) {
         Ok(arcs) => found.faster_by_sections(kept(limit, arcs, curves, limits, |limit, _, _| plan(limit))),
         Err(_) => found,
@@ -112,12 +116,10 @@ impl Planned<f64> {
         let quick = |limit: &FeedLimit<f64>| plan_with(limit, limits, ends, ProfileKind::Fastest);
         let today = quick(&limit)?;
         let arcs = plan_within_axes(curves, limits, &limit, &today)?;
-        let mut found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
+        let found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
             plan_some_within_axes((curves, limits, limit), &quick(limit)?, latest, is_on(long))
         });
-        if found.is_changed {
-            found = or_s_curves(found, &limit, curves, limits, ends);
-        }
+        let found = or_s_curves(found, &limit, curves, limits, ends);
         Ok(Self::of(limit, found))
     }
 

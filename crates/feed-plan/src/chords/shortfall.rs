@@ -21,6 +21,7 @@ use real::Real;
 
 use crate::Cursor;
 use crate::limit::vector::difference;
+use crate::schedule::stage::duration;
 use crate::{FeedLimit, Schedule, Stage};
 
 /// How often a stage is followed, at most; the remaining difference falls by a factor of ten or more each time.
@@ -288,9 +289,15 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         for &corner in self.limit.corners_near(begin, &self.last[1]) {
             let way = corner - from;
             let chord = if way > left.ldexp(2) { left } else { self.leg(from, corner) };
-            // Where the path turns back before the corner, a step may end before it though the corner is near.
-            if chord >= left || (way > left && self.arc_over(from, left) <= way) {
+            if chord >= left {
                 break;
+            }
+            // Where the path turns back before the corner, a step may end before it though the corner is near.
+            if way > left {
+                let arc = self.arc_over(from, left);
+                if arc <= way {
+                    return from - begin + arc;
+                }
             }
             (from, left) = (corner, left - chord);
         }
@@ -351,7 +358,7 @@ fn end_of_period<R: Real>(schedule: &Schedule<'_, R>, begin: usize) -> usize {
 /// fall by the same amount, and at most half of the stage.
 fn parts<R: Real>(schedule: &Schedule<'_, R>, stages: Range<usize>, off: R) -> impl Iterator<Item = R> {
     let stages = schedule.stages().get(stages).unwrap_or_default();
-    let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
+    let duration = duration(stages);
     let share = move |part: R| if duration > R::zero() { part / duration } else { R::zero() };
     stages.iter().map(move |stage| (off * share(stage.duration)).min(stage.length.half()))
 }

@@ -4,7 +4,7 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::chords::shortfall::Path;
-use crate::plan::whole_periods::round_up;
+use crate::plan::whole_periods::periods_taken;
 use crate::{Schedule, Section};
 
 /// One period of a run, in mm from the path's start.
@@ -32,7 +32,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
     ) {
         let (Some(first), Some(last)) = (arcs.stages().first(), arcs.stages().last()) else { return };
         let (begin, stop) = (first.start, last.start + last.length);
-        let Some((periods, _)) = round_up(chords.duration() / period - R::one().half()) else { return };
+        let Some(periods) = periods_taken(chords.duration(), period) else { return };
         let [arcs, chords] =
             [arcs, chords].map(|one| Schedule::new(one.stages(), period, u64::from(periods)));
         let [mut by_arcs, mut by_chords] = [arcs.start(), chords.start()];

@@ -58,23 +58,30 @@ pub fn least_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>
         .max(crate::jerk_free_duration(limit, limits, ends))
 }
 
-/// The bound of the way between two distances at both of which it rests; rounding may have moved them. A rough one is that of 1 and 2
-/// alone: the least time where the way from rest and to rest leads to a level limit, by one walk along the nodes.
-pub(crate) fn least_duration_between<R: Real>(
-    limit: &FeedLimit<R>,
-    limits: &KinematicLimits<R>,
-    (begin, end): (R, R),
-    is_rough: bool,
-) -> R {
-    let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
-    let nodes = nodes(&intervals(limit.samples_between(begin, end)), limits, EndFeeds::default());
-    by_sections(&nodes, |section| {
-        if is_rough {
-            Some(time_below(&from_rest_to_rest(section, &most)?, most.jerk))
-        } else {
-            of_section(section, &most)
-        }
-    })
+/// A way between two rests, of which the bound is sought.
+pub(crate) struct BoundedWay<R> {
+    nodes: Vec<Node<R>>,
+    most: Most<R>,
+}
+
+impl<R: Real> BoundedWay<R> {
+    /// The way between two distances at both of which it rests; rounding may have moved them.
+    pub(crate) fn between(limit: &FeedLimit<R>, limits: &KinematicLimits<R>, (begin, end): (R, R)) -> Self {
+        let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
+        let nodes = nodes(&intervals(limit.samples_between(begin, end)), limits, EndFeeds::default());
+        Self { nodes, most }
+    }
+
+    /// The bound of 1 and 2 alone: the least time where the way from rest and to rest leads to a level limit, by one walk along the nodes.
+    pub(crate) fn rough_duration(&self) -> R {
+        let most = &self.most;
+        by_sections(&self.nodes, |section| Some(time_below(&from_rest_to_rest(section, most)?, most.jerk)))
+    }
+
+    /// The bound of 1 to 3.
+    pub(crate) fn least_duration(&self) -> R {
+        by_sections(&self.nodes, |section| of_section(section, &self.most))
+    }
 }
 
 /// The sum of the bounds of the ways from rest to rest; the greatest number of the format if one has none.

@@ -18,6 +18,7 @@ use crate::plan::ramps::{chain, ramps, reachable};
 use crate::plan::stages::Stages;
 use crate::plan::whole_periods::stretch;
 use crate::plan::without_look_ahead::without_look_ahead;
+use crate::schedule::stage::duration;
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage};
 
 /// A schedule along the path by the profile for whoever names none: [`plan_with`] [`ProfileKind::default`].
@@ -155,10 +156,6 @@ fn quicker<R: Real>(
         Ok((_, curves)) if !(duration(&quick) < duration(&curves)) => curves,
         _ => quick,
     })
-}
-
-fn duration<R: Real>(stages: &[Stage<R>]) -> R {
-    stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
 }
 
 /// The keys of each section, with the rests or ends of the path on both sides.

@@ -6,6 +6,7 @@
 use real::Real;
 
 use crate::schedule::section;
+use crate::schedule::stage::duration;
 use crate::{FeedLimit, PlanError, Stage};
 
 /// A section that bends is slowed down by at least 2⁻¹³. That leaves 2⁻¹² of the acceleration, and more of the jerk, to
@@ -47,7 +48,7 @@ pub(crate) fn stretch_section<R: Real>(
     slower: R,
     period: R,
 ) -> Result<u32, PlanError> {
-    let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
+    let duration = duration(stages);
     let in_order = stages.iter().all(|stage| stage.duration > R::zero() && stage.duration <= duration);
     let (periods, rounded) =
         whole_periods(duration, slower, period).filter(|_| in_order).ok_or(PlanError::DurationOverflows)?;
@@ -61,6 +62,11 @@ pub(crate) fn stretch_section<R: Real>(
 /// The periods that a time takes which is slowed down by this share at least, as an integer and in the format.
 pub(crate) fn whole_periods<R: Real>(duration: R, slower: R, period: R) -> Option<(u32, R)> {
     round_up((duration + duration * slower) / period)
+}
+
+/// The whole periods that a time takes which has been slowed down to them, but for rounding.
+pub(crate) fn periods_taken<R: Real>(duration: R, period: R) -> Option<u32> {
+    round_up(duration / period - R::one().half()).map(|(periods, _)| periods)
 }
 
 /// The least whole number not below `value`, as an integer and in the format; `None` if either cannot hold it.

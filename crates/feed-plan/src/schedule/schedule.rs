@@ -3,6 +3,7 @@
 use real::Real;
 
 use crate::schedule::section::AT_REST;
+use crate::schedule::stage::duration;
 use crate::{Section, Stage, sections};
 
 /// A plan over borrowed stages. It is `Copy`, needs no heap, and is all that the real-time loop needs.
@@ -68,7 +69,7 @@ impl<'a, R: Real> Schedule<'a, R> {
     /// Time of the whole plan: `periods()` times the interpolation period, up to rounding.
     #[must_use]
     pub fn duration(&self) -> R {
-        self.stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
+        duration(self.stages)
     }
 
     /// Distance of the whole plan.

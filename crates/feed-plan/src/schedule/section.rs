@@ -7,6 +7,7 @@
 use real::Real;
 
 use crate::Stage;
+use crate::schedule::stage::duration;
 
 /// A rest that is off a whole period by less than 2⁻¹⁰ of a period counts as on it: sections are planned in whole
 /// periods, and the difference is the rounding of times.
@@ -59,7 +60,7 @@ impl<'a, R: Real> Section<'a, R> {
     /// Duration of the section.
     #[must_use]
     pub fn duration(&self) -> R {
-        self.stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
+        duration(self.stages)
     }
 
     /// Durations of the section's stages in 2⁻³² periods, the unit in which a controller counts time. The plan's unit

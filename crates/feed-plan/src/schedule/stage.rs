@@ -122,6 +122,11 @@ impl<R: Real> Stage<R> {
     }
 }
 
+/// The time that stages take together.
+pub(crate) fn duration<R: Real>(stages: &[Stage<R>]) -> R {
+    stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
+}
+
 #[cfg(test)]
 pub(crate) mod examples {
     use super::*;

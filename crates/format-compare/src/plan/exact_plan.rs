@@ -47,6 +47,26 @@ fn feeds_in_format<R: Backend, const D: usize>(
     Ok(move |curve: usize| feeds.get(curve).copied().unwrap_or(highest))
 }
 
+/// The limit of the problem's curves with the feeds of its moves, in the format `R`.
+fn feed_limit<R: Backend, C: Differentiate<R, D>, const D: usize>(
+    curves: &[C],
+    limits: &KinematicLimits<R>,
+    problem: &Problem<D>,
+) -> Result<FeedLimit<R>, Refusal> {
+    let feed_of = feeds_in_format(problem, limits.feedrate)?;
+    let limit = FeedLimit::along_with_stops(curves, limits, &problem.stops);
+    limit.and_then(|limit| limit.capped(feed_of)).map_err(|error| problem.plan_refusal(error))
+}
+
+/// The feeds at both ends of the problem, in mm per period, in the format `R`.
+fn end_feeds<R: Backend, const D: usize>(
+    problem: &Problem<D>,
+    end_feeds_mm_per_s: [f64; 2],
+) -> Result<EndFeeds<R>, Refusal> {
+    let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
+    Ok(EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? })
+}
+
 /// Plans the problem in f64, in which the fastest profile has more ways to a plan than in other formats.
 fn fastest_or<C: Differentiate<f64, D> + Sync, const D: usize>(
     curves: &[C],
@@ -58,17 +78,16 @@ fn fastest_or<C: Differentiate<f64, D> + Sync, const D: usize>(
     if profile != ProfileKind::Fastest {
         return planned(curves, limits, problem, end_feeds_mm_per_s, profile);
     }
-    let feed_of = feeds_in_format(problem, limits.feedrate)?;
     let refusal = |error| problem.plan_refusal(error);
     if !limits.limit_accelerations_of_axes(D) {
-        let limit = FeedLimit::along_with_stops(curves, limits, &problem.stops);
-        let limit = limit.and_then(|limit| limit.capped(feed_of)).map_err(refusal)?;
-        let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
-        return Planned::fastest(limit, curves, limits, EndFeeds { start, end }).map_err(refusal);
+        let limit = feed_limit(curves, limits, problem)?;
+        let ends = end_feeds(problem, end_feeds_mm_per_s)?;
+        return Planned::fastest(limit, curves, limits, ends).map_err(refusal);
     }
     // The limit of a long path takes much memory: that of today's plan goes before the other is made.
     let today = planned(curves, limits, problem, end_feeds_mm_per_s, profile)?.arcs;
-    let limit = FeedLimit::without_reserves(curves, limits, &problem.stops)?.capped(feed_of)?;
+    let limit = FeedLimit::without_reserves(curves, limits, &problem.stops)?
+        .capped(feeds_in_format(problem, limits.feedrate)?)?;
     Planned::within_axes(&today, limit, curves, limits).map_err(refusal)
 }
 
@@ -80,13 +99,9 @@ fn planned<R: Backend, C: Differentiate<R, D>, const D: usize>(
     end_feeds_mm_per_s: [f64; 2],
     profile: ProfileKind,
 ) -> Result<Planned<R>, Refusal> {
-    let feed_of = feeds_in_format(problem, limits.feedrate)?;
-    let refusal = |error| problem.plan_refusal(error);
-    let limit = FeedLimit::along_with_stops(curves, limits, &problem.stops);
-    let limit = limit.and_then(|limit| limit.capped(feed_of)).map_err(refusal)?;
-    let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
-    let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
-    Planned::under(limit, curves, limits, ends, profile).map_err(refusal)
+    let limit = feed_limit(curves, limits, problem)?;
+    let ends = end_feeds(problem, end_feeds_mm_per_s)?;
+    Planned::under(limit, curves, limits, ends, profile).map_err(|error| problem.plan_refusal(error))
 }
 
 impl ExactPlan {

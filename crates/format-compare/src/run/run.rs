@@ -46,7 +46,8 @@ pub struct AboutRun {
     /// `½ ulp(L)/L` for the full step `L = F·T`, since the parameter there is a 64-bit phase and the length is the
     /// coarser of the two. Other roundings of a step add to it.
     pub fluctuation_resolution: f64,
-    /// By how much a run by the chords that were planned is ahead of the plan along the path, in mm, in f64; `None` if the feed is overridden or the plan sees a window alone.
+    /// By how much a run by the chords that were planned is ahead of the plan along the path, in mm, in f64; `None` if the feed is overridden
+    /// or the plan sees a window alone.
     pub lead: Option<Lead<f64>>,
     /// The numbers that the format's arithmetic lost, and the range of all its signals.
     pub extremes: Extremes,

@@ -128,8 +128,8 @@ fn where_the_radius_changes_within_a_chord_it_keeps_the_chord_error() {
         let problem = Problem::<2>::new(&read_part("p.toml", SHARP).unwrap(), &machine).unwrap();
         for profile in ProfileKind::ALL.into_iter().filter(|kind| *kind != ProfileKind::WithoutLookAhead) {
             let options = Options { profile, ..Options::default() };
-            let runs =
-                compare(&problem, &select(&["f64"]).unwrap(), &[Engine::Pieces], &options).unwrap().formats;
+            let formats = select(&["f64"]).unwrap();
+            let runs = compare(&problem, &formats, &[Engine::Pieces], &options).unwrap().formats;
             assert!(runs[0].verdict.is_good(), "{profile:?}: {}", runs[0].verdict);
         }
     }

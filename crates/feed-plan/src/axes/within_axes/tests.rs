@@ -320,7 +320,8 @@ fn a_way_is_tried_only_where_fewer_periods_may_do() {
     let ends = [(0.0, 30.0), (30.0, 50.0)];
     assert_eq!(schedule.sections().count(), ends.len());
     for (section, ends) in schedule.sections().zip(ends) {
-        let (least, taken) = (least_duration_between(&limit, &limits, ends, true), section.duration());
+        let (least, taken) =
+            (BoundedWay::between(&limit, &limits, ends).rough_duration(), section.duration());
         assert!(least <= taken && least > 0.97 * taken, "{least} {taken}");
     }
 }

@@ -21,6 +21,7 @@ use crate::plan::key_points::Key;
 use crate::plan::ramp_shape::RampShape;
 use crate::plan::ramps::chain;
 use crate::plan::stages::Stages;
+use crate::schedule::stage::duration;
 use crate::{FeedLimit, KinematicLimits, PlanError, Stage};
 
 /// The limits along a part differ by no more than 2⁻¹³: the fastest plan is one S-curve up and one down.
@@ -143,17 +144,13 @@ fn around<'k, R: Real>(keys: &'k [Key<R>], ways: &[[R; 2]]) -> Vec<&'k [Key<R>]>
     cuts.windows(2).filter_map(|pair| keys.get(pair[0]..=pair[1])).collect()
 }
 
-fn duration<R: Real>(stages: &[Stage<R>]) -> R {
-    stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
-}
-
 struct Parts<'a, R> {
     limit: &'a FeedLimit<R>,
     shape: &'a RampShape<R>,
     period: R,
     /// Where the section begins and ends.
     ends: [usize; 2],
-    /// All of it in S-curves.
+    /// The S-curves of the whole section; empty if there are none.
     curves: &'a [Stage<R>],
     stages: Vec<Stage<R>>,
     /// By how much all of them must be stretched, as a share.
