@@ -104,7 +104,6 @@ mod limit {
     pub(crate) mod feed_limit;
     pub(crate) mod fine_moves;
     pub(crate) mod junctions;
-    mod lowered_bends;
     pub(crate) mod lowered_samples;
     mod places;
     mod rounded_moves;
@@ -112,8 +111,9 @@ mod limit {
     pub(crate) mod scan;
     pub(crate) mod span_walk;
     pub(crate) mod stops;
+    pub(crate) mod too_fast;
     #[cfg(test)]
-    mod track;
+    pub(crate) mod track;
     mod turning_limits;
     pub(crate) mod vector;
 }
@@ -172,6 +172,7 @@ mod axes {
 
 #[cfg(feature = "alloc")]
 mod chords {
+    mod axis_windows;
     #[cfg(test)]
     mod corner_chords;
     pub(crate) mod feeds;

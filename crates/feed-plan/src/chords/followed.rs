@@ -1,15 +1,17 @@
 //! A run by chords followed period by period beside its plan in arcs: how far it is ahead, what its arcs take of acceleration and jerk,
-//! and which of its chords leave the path too far.
+//! which of its chords leave the path too far, and where an axis takes too much.
 
 use alloc::vec::Vec;
 
 use nurbs_core::Differentiate;
 use real::Real;
 
+use crate::chords::axis_windows::{AxisWindows, Setpoint};
 use crate::chords::lead::Lead;
 use crate::chords::shortfall::Path;
 use crate::chords::steps::Step;
 use crate::cube_root::cube_root;
+use crate::limit::too_fast::{Slower, TooFast};
 use crate::limit::vector::{across, difference};
 use crate::{KinematicLimits, Section};
 
@@ -24,21 +26,14 @@ const ROUNDING: i32 = 3;
 /// Places of a chord at which its distance from the path is looked at.
 const PLACES: i32 = 8;
 
-/// A chord that leaves the path by more than is allowed: its ends, and a feed at which it would not.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LongChord<R> {
-    pub(crate) from: R,
-    pub(crate) to: R,
-    pub(crate) feed: R,
-}
-
 /// The findings about the run of a section.
 #[derive(Clone, Debug)]
 pub(super) struct Followed<R> {
     pub(super) lead: Lead<R>,
     /// The share by which the section must be slowed down for the arcs of the run to keep acceleration and jerk; 0 if they do.
     pub(super) excess: R,
-    pub(super) long: Vec<LongChord<R>>,
+    /// The chords that leave the path too far, and the ways over which an axis takes too much.
+    pub(super) too_fast: Vec<TooFast<R>>,
 }
 
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
@@ -51,34 +46,62 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         let stages = both[0].stages();
         let (first, last) = (stages.first()?, stages.last()?);
         let (begin, stop) = (first.start, last.start + last.length);
-        let period = limits.interpolation_period;
+        let rests = [first.start_feed, last.end_feed].map(|feed| feed.is_zero());
         let mut lead = Lead::none();
-        let mut long = Vec::new();
-        let mut judged = Differences::after(first.start_feed.is_zero());
-        if self.limit.bends_over(begin, stop) {
+        let mut too_fast = Vec::new();
+        let mut judged = Differences::after(rests[0]);
+        let mut seen = limits.limit_accelerations_of_axes(D).then(|| Vec::from([self.beginning_at(begin)]));
+        if self.limit.bends_over(begin, stop) || (seen.is_some() && self.passes_corner(begin, stop)) {
             let mut at = begin;
-            self.each_step(both, period, |step| {
+            self.each_step(both, limits.interpolation_period, |step| {
                 lead.see(&step);
                 let length = if step.is_last { stop } else { self.length_to(step.to) };
                 // A last step in motion takes the rest of the path, and is not judged.
-                if !step.is_last || last.end_feed.is_zero() {
+                if !step.is_last || rests[1] {
                     judged.add(length - at);
-                    long.extend(self.long_chord(&step, length - at, limits));
+                    too_fast.extend(self.long_chord(&step, length - at, limits));
+                    if let Some(setpoints) = &mut seen {
+                        self.see(&step, setpoints);
+                    }
                 }
                 at = length;
             });
         }
-        if last.end_feed.is_zero() {
+        if rests[1] {
             judged.add(R::zero());
             judged.add(R::zero());
         }
         let rounding = if R::IS_FLOATING { R::resolution() * self.limit.length() } else { R::resolution() };
-        Some(Followed { lead, excess: judged.excess(limits, rounding.ldexp(3)), long })
+        let excess = judged.excess(limits, rounding.ldexp(ROUNDING));
+        if let Some(setpoints) = seen {
+            let rounding = self.rounding_of(&self.leaving(begin));
+            too_fast.extend(AxisWindows { setpoints: &setpoints, rests, rounding, limits }.too_fast());
+        }
+        Some(Followed { lead, excess, too_fast })
+    }
+
+    /// The setpoint at which a section begins.
+    fn beginning_at(&self, begin: R) -> Setpoint<R, D> {
+        Setpoint { point: self.leaving(begin), distance: begin, corners: 0 }
+    }
+
+    /// Adds the setpoint at the end of a step.
+    fn see(&self, step: &Step<R>, setpoints: &mut Vec<Setpoint<R, D>>) {
+        let rounding = self.limit.rounding();
+        let at_corner = self.passes_corner(step.from - rounding, step.to + rounding);
+        let corners = setpoints.last().map_or(0, |last| last.corners) + usize::from(at_corner);
+        setpoints.push(Setpoint { point: self.arriving(step.from, step.to), distance: step.to, corners });
+    }
+
+    /// By how much rounding may move points of the path, of which this is one.
+    fn rounding_of(&self, point: &[R; D]) -> R {
+        let farthest = if R::IS_FLOATING { self.limit.length().max(R::norm(point)) } else { R::one() };
+        (R::resolution() * farthest).ldexp(ROUNDING)
     }
 
     /// The chord of a step if its distance from the path exceeds what is allowed by more than rounding explains. That distance is at most
     /// half of `√(arc² - chord²)`, so that most chords need no look at the path.
-    fn long_chord(&self, step: &Step<R>, arc: R, limits: &KinematicLimits<R>) -> Option<LongChord<R>> {
+    fn long_chord(&self, step: &Step<R>, arc: R, limits: &KinematicLimits<R>) -> Option<TooFast<R>> {
         let allowed = limits.chord_error + limits.chord_error.ldexp(LONG);
         let farthest = ((arc - step.chord).max(R::zero()) * (arc + step.chord)).sqrt().half();
         if !(farthest > allowed) || self.passes_corner(step.from, step.to) {
@@ -95,12 +118,12 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
             found = found.max(summit([before, here, next]));
             (before, here) = (here, next);
         }
-        let farthest = if R::IS_FLOATING { self.limit.length().max(R::norm(&begin)) } else { R::one() };
-        let rounding = (R::resolution() * farthest).ldexp(ROUNDING);
-        (found > allowed + rounding).then(|| {
+        (found > allowed + self.rounding_of(&begin)).then(|| {
             let share = (limits.chord_error / found).sqrt().max(R::one().half());
             let length = step.chord.max(R::norm(&chord));
-            LongChord { from: step.from, to: step.to, feed: length / limits.interpolation_period * share }
+            let feed = length / limits.interpolation_period * share;
+            let slower = Slower::Feed { feed, at_corners: feed };
+            TooFast { from: step.from, to: step.to, way: step.to - step.from, slower }
         })
     }
 }

@@ -1,29 +1,31 @@
-//! A plan whose run by chords keeps what the plan in arcs keeps: the acceleration and jerk of the path, and the chord error.
+//! A plan whose run by chords keeps what the plan in arcs keeps: the acceleration and jerk of the path and of its axes, and the chord error.
 //!
 //! The chords of a plan are fitted to its arcs over whole changes of feed. Where the curvature changes within a few periods, an arc is
 //! longer than its chord by another amount than the plan has taken off, and the arcs of the run have an acceleration and a jerk of their own.
 //! They fall with the third power of the feed or faster, so a section is slowed down by as much as it needs, by 2⁻⁶ at most.
 //!
 //! The feed at which a chord leaves the path by what is allowed is found from the radius at one place. Where the radius changes within the
-//! chord, the chord may leave the path further. The limit is lowered there, and the section is planned again.
+//! chord, the chord may leave the path further. The limit is lowered there, and the section is planned again. So it is where the setpoints
+//! show that an axis takes too much, as where the feed changes on a bend of short moves.
 
 use alloc::vec::Vec;
 
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::chords::followed::{Followed, LongChord};
+use crate::chords::followed::Followed;
 use crate::chords::lead::Lead;
 use crate::chords::shortfall::Path;
+use crate::limit::too_fast::TooFast;
 use crate::plan::whole_periods::{MOST_PERIODS, periods_taken, stretch_section};
 use crate::schedule::section;
 use crate::schedule::stage::duration;
-use crate::{FeedLimit, KinematicLimits, PlanError, ScheduleBuf, Section, sections};
+use crate::{FeedLimit, KinematicLimits, ScheduleBuf, Section, sections};
 
 /// Trials in which sections are planned again or slowed down, at most.
-const TRIALS: usize = 6;
+const TRIALS: usize = 8;
 /// Sections are planned again in the first of them alone, so many.
-const LOWERINGS: usize = 4;
+const LOWERINGS: usize = 6;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more, all of the section would pay for
 /// it, and the run is left to its judge.
 const MOST: i32 = -6;
@@ -34,7 +36,7 @@ pub(crate) struct Kept<R> {
     pub(crate) chords: ScheduleBuf<R>,
     sections: Vec<KeptSection<R>>,
     /// Whether the plan was changed for its run.
-    pub(crate) is_changed: bool,
+    is_changed: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -44,73 +46,121 @@ struct KeptSection<R> {
     is_kept: bool,
 }
 
-/// The plan `arcs` and its chords. A section is planned again under a lower limit where its chords are too long, and slowed down where
-/// the arcs of its run take more than the acceleration or jerk of `limits`. `plan_again` plans the sections of these chords, and may leave
-/// others as they are in the plan that it is given.
+/// The plan `arcs` and its chords. A section is planned again under a lower limit where its chords are too long or an axis takes too much,
+/// and slowed down where the arcs of its run take more than the acceleration or jerk of `limits`. `plan_again` plans the sections of these
+/// ways, if it can, and may leave others as they are in the plan that it is given.
 pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
     limit: &FeedLimit<R>,
-    mut arcs: ScheduleBuf<R>,
+    arcs: ScheduleBuf<R>,
     curves: &[C],
     limits: &KinematicLimits<R>,
-    plan_again: impl Fn(&FeedLimit<R>, &ScheduleBuf<R>, &[LongChord<R>]) -> Result<ScheduleBuf<R>, PlanError>,
+    plan_again: impl Fn(&FeedLimit<R>, &ScheduleBuf<R>, &[TooFast<R>]) -> Option<ScheduleBuf<R>>,
 ) -> Kept<R> {
     let mut longest = most_of(&arcs);
     let mut lowered: Option<FeedLimit<R>> = None;
-    let mut trial = 0;
-    loop {
-        let (chords, followed) = limit.followed(curves, &arcs, limits);
+    let (mut chords, mut followed) = limit.followed(curves, &arcs, limits);
+    let mut found = arcs;
+    let mut is_changed = false;
+    for trial in 0..TRIALS {
+        let slower = slowed(&found, &shares(&found, &followed, &longest, trial));
         // After some trials, what cannot be planned again is left to its judge.
-        let is_long = |one: &Followed<R>| trial < LOWERINGS && !one.long.is_empty();
-        let durations = sections(arcs.stages()).map(|section| section.duration());
-        let share = |((duration, one), longest): ((R, &Followed<R>), &R)| {
-            let takes = duration * (R::one() + one.excess);
-            if takes > *longest || is_long(one) { R::zero() } else { one.excess }
-        };
-        let shares: Vec<_> = durations.zip(&followed).zip(&longest).map(share).collect();
-        let slower = shares.iter().any(|share| *share > R::zero()).then(|| slowed(&arcs, &shares)).flatten();
-        let long: Vec<_> = followed.iter().map(&is_long).collect();
-        let again = long.iter().any(|is_long| *is_long).then(|| {
+        let too_fast: Vec<_> = followed.iter().map(|one| one.is_planned_again(trial)).collect();
+        let ways: Vec<_> = followed.iter().flat_map(|one| one.too_fast.iter().copied()).collect();
+        let again = too_fast.contains(&true).then(|| {
             let lowered = lowered.get_or_insert_with(|| limit.clone());
-            let all: Vec<_> = followed.iter().flat_map(|one| one.long.iter().copied()).collect();
-            all.iter().for_each(|chord| lowered.lower_bends(chord.from, chord.to, chord.feed));
-            plan_again(lowered, &arcs, &all).ok()
+            ways.iter().for_each(|way| lowered.lower_over(way));
+            plan_again(lowered, &found, &ways)
         });
-        let again = again.flatten();
-        if trial == TRIALS || (slower.is_none() && again.is_none()) {
-            let section = |one: &Followed<R>| KeptSection {
-                lead: one.lead,
-                is_kept: one.long.is_empty() && one.excess.is_zero(),
-            };
-            let sections = followed.iter().map(section).collect();
-            return Kept { arcs, chords, sections, is_changed: trial > 0 };
+        let again = again.flatten().filter(|again| sections(again.stages()).count() == too_fast.len());
+        if slower.is_none() && again.is_none() {
+            break;
         }
-        arcs = slower.unwrap_or(arcs);
-        if let Some(again) = again {
-            arcs = by_sections(&arcs, &again, &long);
-            let mosts = most_of(&arcs).into_iter().zip(&long);
-            longest
-                .iter_mut()
-                .zip(mosts)
-                .filter(|(_, (_, long))| **long)
-                .for_each(|(longest, (most, _))| *longest = most);
+        let next = slower.unwrap_or_else(|| found.clone());
+        let next = again.map_or_else(|| next.clone(), |again| by_sections(&next, &again, &too_fast));
+        let changed: Vec<_> = sections(found.stages())
+            .zip(sections(next.stages()))
+            .map(|(a, b)| a.stages() != b.stages())
+            .collect();
+        if !changed.contains(&true) {
+            break;
         }
-        trial += 1;
+        let mosts = most_of(&next).into_iter().zip(&too_fast);
+        let planned_again = longest.iter_mut().zip(mosts).filter(|(_, (_, again))| **again);
+        planned_again.for_each(|(longest, (most, _))| *longest = most);
+        // The other sections are followed already.
+        let part = only(&next, &changed);
+        let (chords_of_part, followed_again) = limit.followed(curves, &part, limits);
+        chords = replaced(&chords, &chords_of_part, &changed);
+        let places = followed.iter_mut().zip(&changed).filter(|(_, is_changed)| **is_changed);
+        places.zip(followed_again).for_each(|((place, _), again)| *place = again);
+        (found, is_changed) = (next, true);
+    }
+    let section = |one: &Followed<R>| KeptSection {
+        lead: one.lead,
+        is_kept: one.too_fast.is_empty() && one.excess.is_zero(),
+    };
+    let sections = followed.iter().map(section).collect();
+    Kept { arcs: found, chords, sections, is_changed }
+}
+
+impl<R: Real> Followed<R> {
+    /// Whether a section is planned again in this trial, if that can be done.
+    fn is_planned_again(&self, trial: usize) -> bool {
+        trial < LOWERINGS && !self.too_fast.is_empty()
     }
 }
 
-/// A plan with the sections of another one where that is said; both rest at the same places, or it stays as it is.
-fn by_sections<R: Real>(plan: &ScheduleBuf<R>, other: &ScheduleBuf<R>, is_other: &[bool]) -> ScheduleBuf<R> {
-    let [own, others] = [plan, other].map(|plan| sections(plan.stages()).collect::<Vec<_>>());
-    if own.len() != others.len() {
-        return plan.clone();
-    }
-    let mut found = ScheduleBuf { stages: Vec::with_capacity(plan.stages().len()), periods: 0, ..*plan };
-    for ((own, other), is_other) in own.iter().zip(&others).zip(is_other) {
-        let section = if *is_other { other } else { own };
-        found.stages.extend_from_slice(section.stages());
-        found.periods = found.periods.saturating_add(periods_of(section, plan.interpolation_period).into());
+/// By which share each section is to be slowed down in this trial.
+fn shares<R: Real>(plan: &ScheduleBuf<R>, followed: &[Followed<R>], longest: &[R], trial: usize) -> Vec<R> {
+    let durations = sections(plan.stages()).map(|section| section.duration());
+    let share = |((duration, one), longest): ((R, &Followed<R>), &R)| {
+        let takes = duration * (R::one() + one.excess);
+        if takes > *longest || one.is_planned_again(trial) { R::zero() } else { one.excess }
+    };
+    durations.zip(followed).zip(longest).map(share).collect()
+}
+
+/// The sections of a plan for which that is said.
+fn only<R: Real>(plan: &ScheduleBuf<R>, is_wanted: &[bool]) -> ScheduleBuf<R> {
+    let mut found = ScheduleBuf { stages: Vec::new(), periods: 0, ..*plan };
+    for (section, _) in sections(plan.stages()).zip(is_wanted).filter(|(_, is_wanted)| **is_wanted) {
+        found.push(&section);
     }
     found
+}
+
+/// A plan in chords with the next section of others in the place of each section for which that is said.
+fn replaced<R: Real>(plan: &ScheduleBuf<R>, others: &ScheduleBuf<R>, is_other: &[bool]) -> ScheduleBuf<R> {
+    let mut found = ScheduleBuf { stages: Vec::with_capacity(plan.stages().len()), periods: 0, ..*plan };
+    let mut others = sections(others.stages());
+    let mut start = R::zero();
+    for (own, is_other) in sections(plan.stages()).zip(is_other) {
+        let section = if *is_other { others.next().unwrap_or(own) } else { own };
+        found.push(&section);
+        let first = found.stages.len() - section.stages().len();
+        for stage in found.stages.iter_mut().skip(first) {
+            stage.start = start;
+            start = start + stage.length;
+        }
+    }
+    found
+}
+
+/// A plan with the sections of another one where that is said; both rest at the same places.
+fn by_sections<R: Real>(plan: &ScheduleBuf<R>, other: &ScheduleBuf<R>, is_other: &[bool]) -> ScheduleBuf<R> {
+    let mut found = ScheduleBuf { stages: Vec::with_capacity(plan.stages().len()), periods: 0, ..*plan };
+    for ((own, other), is_other) in sections(plan.stages()).zip(sections(other.stages())).zip(is_other) {
+        found.push(if *is_other { &other } else { &own });
+    }
+    found
+}
+
+impl<R: Real> ScheduleBuf<R> {
+    /// Adds a section of whole periods.
+    fn push(&mut self, section: &Section<'_, R>) {
+        self.stages.extend_from_slice(section.stages());
+        self.periods = self.periods.saturating_add(periods_of(section, self.interpolation_period).into());
+    }
 }
 
 /// The whole periods that a section takes.
@@ -119,17 +169,20 @@ fn periods_of<R: Real>(section: &Section<'_, R>, period: R) -> u32 {
 }
 
 impl<R: Real> Kept<R> {
-    /// Of each section the one of both plans that takes fewer periods, if its run is kept like the other's. Both rest at the same places.
-    pub(crate) fn faster_by_sections(self, other: Self) -> Self {
+    /// Of each section the one of both plans whose run is kept, or if that says nothing, the one that takes fewer periods. Both rest at
+    /// the same places.
+    pub(crate) fn better_by_sections(self, other: Self) -> Self {
         let period = self.arcs.interpolation_period;
         let periods = |plan: &Self| -> Vec<_> {
             sections(plan.arcs.stages()).map(|section| periods_of(&section, period)).collect()
         };
         let [own, others] = [&self, &other].map(periods);
         let both = own.iter().zip(&others).zip(self.sections.iter().zip(&other.sections));
-        let is_other: Vec<_> = both
-            .map(|((own, others), (kept, other))| others < own && (other.is_kept || !kept.is_kept))
-            .collect();
+        let is_better =
+            |((own, others), (section, other)): ((&u32, &u32), (&KeptSection<R>, &KeptSection<R>))| {
+                if section.is_kept == other.is_kept { others < own } else { other.is_kept }
+            };
+        let is_other: Vec<_> = both.map(is_better).collect();
         if own.len() != others.len() || !is_other.iter().any(|is_other| *is_other) {
             return self;
         }
@@ -138,10 +191,15 @@ impl<R: Real> Kept<R> {
         };
         Self {
             arcs: by_sections(&self.arcs, &other.arcs, &is_other),
-            chords: by_sections(&self.chords, &other.chords, &is_other),
+            chords: replaced(&self.chords, &only(&other.chords, &is_other), &is_other),
             sections: self.sections.iter().zip(&other.sections).zip(&is_other).map(section).collect(),
             is_changed: true,
         }
+    }
+
+    /// Whether the plan was changed for its run, or would have to be.
+    pub(crate) fn is_in_question(&self) -> bool {
+        self.is_changed || self.sections.iter().any(|section| !section.is_kept)
     }
 
     /// By how much the run is ahead at most.
@@ -172,8 +230,12 @@ impl<R: Real> FeedLimit<R> {
     }
 }
 
-/// The plan with each section slowed down by these shares at least, to whole periods; `None` where the time is no number or too long.
+/// The plan with each section slowed down by these shares at least, to whole periods; `None` where none is, or where the time is no number
+/// or too long.
 fn slowed<R: Real>(plan: &ScheduleBuf<R>, shares: &[R]) -> Option<ScheduleBuf<R>> {
+    if shares.iter().all(R::is_zero) {
+        return None;
+    }
     let (mut slower, period) = (plan.clone(), plan.interpolation_period);
     let mut rest = slower.stages.as_mut_slice();
     for share in shares {
@@ -193,8 +255,9 @@ mod tests {
     use nurbs_core::NurbsBuf;
 
     use super::*;
-    use crate::test_paths::{hashed, in_periods, in_range};
-    use crate::{EndFeeds, Planned, ProfileKind, plan_with};
+    use crate::limit::track::arc;
+    use crate::test_paths::{hashed, in_periods, in_range, polyline};
+    use crate::{AxisLimits, EndFeeds, Junction, Planned, ProfileKind, plan_with};
 
     /// Waves on a machine whose chords are short beside the chord error that it allows.
     #[test]
@@ -231,6 +294,54 @@ mod tests {
             }
         }
         assert!(repaired > 2 && slower > 0.0, "{repaired} {slower}");
+    }
+
+    /// Circles of short moves that end at rest: while the feed falls on a bend, its fall and the bend take of an axis' jerk together.
+    #[test]
+    fn setpoints_keep_the_limits_of_axes_along_short_moves() {
+        let axis = AxisLimits { velocity: Some(0.3), acceleration: Some(1e-3), jerk: Some(1e-5) };
+        let junction = Junction::Deviation(0.01);
+        let limits =
+            KinematicLimits { junction, axes: [axis; 3], ..in_periods(1e-3, 60.0, 1000.0, 1e4, 1e-3) };
+        let mut repaired = 0;
+        for radius in [2.0, 3.5, 5.0, 9.0] {
+            let arc = arc(radius, 0.3, 3.0);
+            let end = arc[arc.len() - 1];
+            let straight = [[end[0], end[1] + 4.0], [end[0] - 12.0, end[1] + 4.0]];
+            let points: Vec<_> =
+                arc.iter().copied().chain(straight).chain(arc.iter().map(|[x, y]| [-x, -y])).collect();
+            let curves = polyline(&points);
+            let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+            let stops = [arc.len() - 1, arc.len(), arc.len() + 1, arc.len() + 2];
+            for kind in [ProfileKind::Fastest, ProfileKind::SCurve] {
+                let limit = FeedLimit::along_with_stops(&curves, &limits, &stops).unwrap();
+                let plain = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                let planned = Planned::under(limit, &curves, &limits, EndFeeds::default(), kind).unwrap();
+                let too_fast = |arcs: &ScheduleBuf<f64>, chords: &ScheduleBuf<f64>| {
+                    let path = Path::new(&planned.limit, &curves);
+                    let both = sections(arcs.stages()).zip(sections(chords.stages()));
+                    both.filter(|(arcs, chords)| {
+                        !path.followed([arcs, chords], &limits).unwrap().too_fast.is_empty()
+                    })
+                    .count()
+                };
+                assert!(sections(planned.arcs.stages()).count() > 2);
+                assert_eq!(too_fast(&planned.arcs, &planned.chords), 0, "radius {radius}, {kind:?}");
+                repaired += too_fast(&plain, &planned.limit.in_chords(&curves, &plain));
+                // Sections that were followed again have the chords that they would have had at once.
+                let at_once = planned.limit.in_chords(&curves, &planned.arcs);
+                assert_eq!(at_once.stages().len(), planned.chords.stages().len());
+                let off = at_once
+                    .stages()
+                    .iter()
+                    .zip(planned.chords.stages())
+                    .map(|(a, b)| (a.length - b.length).abs());
+                assert!(off.fold(0.0, f64::max) < 1e-9);
+                let [after, before] = [&planned.arcs, &plain].map(|plan| plan.as_schedule().periods() as f64);
+                assert!(after <= 1.2 * before, "radius {radius}, {kind:?}: {before} {after}");
+            }
+        }
+        assert!(repaired > 2, "{repaired}");
     }
 
     /// Rounding of f32 is more than a 256th of the chord error here: nearly every plan was lowered for it, by up to 5 % of its time.

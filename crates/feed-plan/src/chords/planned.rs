@@ -6,8 +6,8 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::axes::within_axes::plan_some_within_axes;
-use crate::chords::followed::LongChord;
 use crate::chords::kept::{Kept, kept};
+use crate::limit::too_fast::TooFast;
 use crate::{
     EndFeeds, FeedLimit, KinematicLimits, Lead, PlanError, ProfileKind, ScheduleBuf, Stage, plan_with,
     plan_within_axes,
@@ -62,7 +62,7 @@ impl<R: Real> Planned<R> {
             let lead = limit.lead(curves, arcs.stages(), chords.stages(), limits.interpolation_period);
             return Ok(Self { limit, arcs, chords, lead });
         }
-        let found = kept(&limit, arcs, curves, limits, |limit, _, _| plan(limit));
+        let found = kept(&limit, arcs, curves, limits, |limit, _, _| plan(limit).ok());
         let found = match kind {
             ProfileKind::Fastest => or_s_curves(found, &limit, curves, limits, ends),
             _ => found,
@@ -83,7 +83,7 @@ impl<R: Real> Planned<R> {
     }
 }
 
-/// A plan; if it was changed for its run, with S-curves in each section in which they are faster and kept by their run too.
+/// A plan; if its run left it in question, with S-curves in each section in which their run is kept better, or as well and faster.
 fn or_s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
     found: Kept<R>,
     limit: &FeedLimit<R>,
@@ -92,11 +92,13 @@ fn or_s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
     ends: EndFeeds<R>,
 ) -> Kept<R> {
     let plan = |limit: &FeedLimit<R>| plan_with(limit, limits, ends, ProfileKind::SCurve);
-    if !found.is_changed {
+    if !found.is_in_question() {
         return found;
     }
     match plan(limit) {
-        Ok(arcs) => found.faster_by_sections(kept(limit, arcs, curves, limits, |limit, _, _| plan(limit))),
+        Ok(arcs) => {
+            found.better_by_sections(kept(limit, arcs, curves, limits, |limit, _, _| plan(limit).ok()))
+        }
         Err(_) => found,
     }
 }
@@ -117,7 +119,7 @@ impl Planned<f64> {
         let today = quick(&limit)?;
         let arcs = plan_within_axes(curves, limits, &limit, &today)?;
         let found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
-            plan_some_within_axes((curves, limits, limit), &quick(limit)?, latest, is_on(long))
+            plan_some_within_axes((curves, limits, limit), &quick(limit).ok()?, latest, is_on(long)).ok()
         });
         let found = or_s_curves(found, &limit, curves, limits, ends);
         Ok(Self::of(limit, found))
@@ -137,18 +139,18 @@ impl Planned<f64> {
     ) -> Result<Self, PlanError> {
         let arcs = plan_within_axes(curves, limits, &limit, today)?;
         let mut found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
-            plan_some_within_axes((curves, limits, limit), today, latest, is_on(long))
+            plan_some_within_axes((curves, limits, limit), today, latest, is_on(long)).ok()
         });
-        if found.is_changed {
-            let today = kept(&limit, today.clone(), curves, limits, |_, latest, _| Ok(latest.clone()));
-            found = found.faster_by_sections(today);
+        if found.is_in_question() {
+            let today = kept(&limit, today.clone(), curves, limits, |_, _, _| None);
+            found = found.better_by_sections(today);
         }
         Ok(Self::of(limit, found))
     }
 }
 
 /// Whether one of these chords lies between the begin and the end of a section.
-fn is_on(long: &[LongChord<f64>]) -> impl Fn([f64; 2]) -> bool + Sync {
+fn is_on(long: &[TooFast<f64>]) -> impl Fn([f64; 2]) -> bool + Sync {
     |[begin, end]| long.iter().any(|chord| begin < chord.to && chord.from < end)
 }
 

@@ -68,7 +68,8 @@ impl<R: Real> FeedLimit<R> {
         let mut short = schedule.stages().to_vec();
         let path = Path::new(self, curves);
         // A period that begins in one stage and ends in another is run once for each of the two.
-        let mut run = Run { cursor: schedule.start(), planned: R::zero(), reached: R::zero() };
+        let begin = schedule.stages().first().map_or(R::zero(), |first| first.start);
+        let mut run = Run { cursor: schedule.start(), planned: begin, reached: begin };
         let mut begins_in = 0;
         while begins_in < schedule.stages().len() {
             let stages = begins_in..end_of_period(schedule, begins_in);
@@ -265,6 +266,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
             let passed = short.get(begun_in..run.cursor.stage()).unwrap_or_default();
             over_stop = if passed.iter().any(|stage| stage.end_feed.is_zero()) {
                 let rest = self.step_between(run.reached, run.planned);
+                run.planned = run.planned + self.gaps(arcs, begun_in..run.cursor.stage());
                 run.reached = run.planned;
                 Some(wanted - rest)
             } else {
@@ -276,6 +278,13 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         }
         let ahead = over_stop.unwrap_or_else(|| self.length_to(end.reached) - end.planned - lead);
         End { run: end, last_period, ahead }
+    }
+
+    /// The way left out behind these stages, where a plan of some sections does not go on where it rests.
+    fn gaps(&self, arcs: &Schedule<'_, R>, stages: Range<usize>) -> R {
+        let pairs = stages.filter_map(|stage| arcs.stages().get(stage).zip(arcs.stages().get(stage + 1)));
+        let gaps = pairs.map(|(stage, next)| next.start - (stage.start + stage.length));
+        gaps.filter(|gap| gap.abs() > self.limit.rounding()).fold(R::zero(), |sum, gap| sum + gap)
     }
 
     /// The arc of a step that begins at `begin`. The step has a chord to each corner within it. Behind the last corner

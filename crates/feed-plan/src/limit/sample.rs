@@ -130,6 +130,17 @@ impl<R: Real> LimitSample<R> {
         samples
     }
 
+    /// Lowers the limit at the point and on both sides of it.
+    pub(crate) fn lower_to(&mut self, feed: R) {
+        self.lower_corner_to(feed);
+        (self.lower_before, self.lower_after) = (self.lower_before.min(feed), self.lower_after.min(feed));
+    }
+
+    /// Lowers the limit at the point alone.
+    pub(crate) fn lower_corner_to(&mut self, feed: R) {
+        (self.point.feedrate, self.lower) = (self.point.feedrate.min(feed), self.lower.min(feed));
+    }
+
     /// The sample with the same lower value at the point and on both sides of it.
     pub(crate) fn with_lower(self, lower: R) -> Self {
         Self { lower, lower_before: lower, lower_after: lower, ..self }

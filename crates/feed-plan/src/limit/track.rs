@@ -67,7 +67,7 @@ pub(super) fn limit_along(points: &[[f64; 2]], limits: &KinematicLimits<f64>) ->
 }
 
 /// Moves along an arc that begins at the origin in the direction of x.
-pub(super) fn arc(radius: f64, step: f64, angle: f64) -> Vec<[f64; 2]> {
+pub(crate) fn arc(radius: f64, step: f64, angle: f64) -> Vec<[f64; 2]> {
     let count = (0..).take_while(|i| f64::from(*i) * step < radius * angle).count();
     let at = |i: usize| angle * i as f64 / count as f64;
     (0..=count).map(|i| [radius * at(i).sin(), radius * (1.0 - at(i).cos())]).collect()
