@@ -44,9 +44,18 @@ struct Rows<'a, 'w, C> {
     feed: f64,
 }
 
-/// Shares of 1.
-pub(crate) fn all_of(grid: &Grid) -> Vec<Strain> {
-    alloc::vec![Strain { feed: 1.0, acceleration: 1.0, jerk: 1.0 }; grid.pieces.len()]
+/// Shares of 1, or what the path has of its acceleration and jerk.
+pub(crate) fn all_of<C>(way: &Way<'_, C>, grid: &Grid) -> Vec<Strain> {
+    let share = |cell: &[f64]| {
+        let of_path = way.of_path(cell[0], cell[1]);
+        let (acceleration, jerk) = (of_path.acceleration, of_path.jerk);
+        Strain {
+            feed: 1.0,
+            acceleration: acceleration / way.limits.acceleration,
+            jerk: jerk / way.limits.jerk,
+        }
+    };
+    grid.nodes.windows(2).map(share).collect()
 }
 
 /// The places of all cells.

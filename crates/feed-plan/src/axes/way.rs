@@ -6,6 +6,7 @@ use real::Real;
 use crate::KinematicLimits;
 use crate::axes::geometry::{Bend, Geometry, Piece};
 use crate::cube_root::cube_root;
+use crate::limit::axis_budget::Allowance;
 use crate::limits::AXES;
 
 /// Share of the time A/J over which a motion is looked at as one.
@@ -20,6 +21,8 @@ pub(crate) struct Way<'a, C> {
     pub(crate) pieces: &'a [Piece],
     /// Whether the acceleration or jerk of an axis is limited.
     limits_axes: bool,
+    /// Whether the path has less of its acceleration or jerk somewhere.
+    has_allowances: bool,
 }
 
 /// Largest ratio of what a motion takes to what is allowed, of the feed, of accelerations and of jerks.
@@ -76,6 +79,7 @@ impl<'a, C> Way<'a, C> {
     {
         let rounding = rounding_at(end);
         let pieces = geometry.pieces_between(begin + rounding, end - rounding);
+        let least = geometry.limit().allowance_over(begin, end);
         (end - begin > 2.0 * rounding && !pieces.is_empty()).then_some(Self {
             geometry,
             limits,
@@ -83,6 +87,7 @@ impl<'a, C> Way<'a, C> {
             end,
             pieces,
             limits_axes: limits.limit_accelerations_of_axes(D),
+            has_allowances: least.acceleration < limits.acceleration || least.jerk < limits.jerk,
         })
     }
 
@@ -188,13 +193,20 @@ impl<'a, C> Way<'a, C> {
         )
     }
 
+    /// The acceleration and jerk that the path has between two distances.
+    pub(crate) fn of_path(&self, from: f64, to: f64) -> Allowance<f64> {
+        let all = Allowance { acceleration: self.limits.acceleration, jerk: self.limits.jerk };
+        if self.has_allowances { self.geometry.limit().allowance_over(from, to).min(all) } else { all }
+    }
+
     /// What a motion takes of what is allowed where the path bends like this.
     pub(crate) fn strain(&self, motion: &Motion, bend: &Bend, most: f64) -> Strain {
-        let &Motion { feed: v, acceleration: a, jerk: j, .. } = motion;
+        let &Motion { feed: v, acceleration: a, jerk: j, distance } = motion;
+        let of_path = self.of_path(distance, distance);
         let mut strain = Strain {
             feed: if v > 0.0 { v / most } else { 0.0 },
-            acceleration: a.abs() / self.limits.acceleration,
-            jerk: j.abs() / self.limits.jerk,
+            acceleration: a.abs() / of_path.acceleration,
+            jerk: j.abs() / of_path.jerk,
         };
         // The velocities of axes are in the limit of the feed.
         for (i, axis) in self.limits.axes.iter().enumerate().filter(|_| self.limits_axes) {

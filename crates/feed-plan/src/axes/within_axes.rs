@@ -263,7 +263,7 @@ impl<'a, 'w, C> Solver<'a, 'w, C> {
     where
         C: Differentiate<f64, D>,
     {
-        let (places, shares) = (places(way, &grid), all_of(&grid));
+        let (places, shares) = (places(way, &grid), all_of(way, &grid));
         Self { way, grid, places, shares, x: Vec::new(), time: 0.0, iterations: 0 }
     }
 

@@ -127,7 +127,8 @@ impl<R: Real, const D: usize> AxisWindows<'_, R, D> {
         let limits = self.limits;
         let slower = if slowest < highest.half() {
             let most = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
-            Slower::Changes { most, share }
+            let square = share * share;
+            Slower::Changes { most, shares: Allowance { acceleration: square, jerk: square * share } }
         } else {
             let share = share / limits.interpolation_period;
             Slower::Feed { feed: highest * share, at_corners: slowest * share }

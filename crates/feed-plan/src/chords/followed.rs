@@ -11,6 +11,7 @@ use crate::chords::lead::Lead;
 use crate::chords::shortfall::Path;
 use crate::chords::steps::Step;
 use crate::cube_root::cube_root;
+use crate::limit::axis_budget::Allowance;
 use crate::limit::too_fast::{Slower, TooFast};
 use crate::limit::vector::{across, difference};
 use crate::{KinematicLimits, Section};
@@ -34,6 +35,8 @@ pub(super) struct Followed<R> {
     pub(super) excess: R,
     /// The chords that leave the path too far, and the ways over which an axis takes too much.
     pub(super) too_fast: Vec<TooFast<R>>,
+    /// The ways over which the arcs of the run take more than the acceleration or jerk of the path.
+    pub(super) strained: Vec<TooFast<R>>,
 }
 
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
@@ -49,7 +52,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         let rests = [first.start_feed, last.end_feed].map(|feed| feed.is_zero());
         let mut lead = Lead::none();
         let mut too_fast = Vec::new();
-        let mut judged = Differences::after(rests[0]);
+        let rounding = if R::IS_FLOATING { R::resolution() * self.limit.length() } else { R::resolution() };
+        let mut judged = Differences::after(rests[0], limits, rounding.ldexp(ROUNDING));
         let mut seen = limits.limit_accelerations_of_axes(D).then(|| Vec::from([self.beginning_at(begin)]));
         if self.limit.bends_over(begin, stop) || (seen.is_some() && self.passes_corner(begin, stop)) {
             let mut at = begin;
@@ -58,7 +62,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
                 let length = if step.is_last { stop } else { self.length_to(step.to) };
                 // A last step in motion takes the rest of the path, and is not judged.
                 if !step.is_last || rests[1] {
-                    judged.add(length - at);
+                    judged.add(length - at, length, limits);
                     too_fast.extend(self.long_chord(&step, length - at, limits));
                     if let Some(setpoints) = &mut seen {
                         self.see(&step, setpoints);
@@ -68,16 +72,14 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
             });
         }
         if rests[1] {
-            judged.add(R::zero());
-            judged.add(R::zero());
+            judged.add(R::zero(), stop, limits);
+            judged.add(R::zero(), stop, limits);
         }
-        let rounding = if R::IS_FLOATING { R::resolution() * self.limit.length() } else { R::resolution() };
-        let excess = judged.excess(limits, rounding.ldexp(ROUNDING));
         if let Some(setpoints) = seen {
             let rounding = self.rounding_of(&self.leaving(begin));
             too_fast.extend(AxisWindows { setpoints: &setpoints, rests, rounding, limits }.too_fast());
         }
-        Some(Followed { lead, excess, too_fast })
+        Some(Followed { lead, excess: judged.excess(), too_fast, strained: judged.strained })
     }
 
     /// The setpoint at which a section begins.
@@ -147,41 +149,67 @@ fn summit<R: Real>([before, here, next]: [R; 3]) -> R {
     if here >= before && here >= next && bend > R::zero() { here + rise * rise / bend.ldexp(3) } else { here }
 }
 
-/// The largest differences of first and second order between the arcs of successive periods.
+/// The differences of first and second order between the arcs of successive periods.
 struct Differences<R> {
     last: [R; 2],
     count: usize,
-    acceleration: R,
-    jerk: R,
+    /// The limits of both, over a period.
+    most: Allowance<R>,
+    /// By how much rounding may change a difference.
+    hidden: R,
+    /// The largest shares of the limits that are taken.
+    taken: Allowance<R>,
+    strained: Vec<TooFast<R>>,
 }
 
 impl<R: Real> Differences<R> {
     /// No differences yet. The two steps before the first have no length if it follows a rest, and are unknown otherwise.
-    fn after(rest: bool) -> Self {
+    fn after(rest: bool, limits: &KinematicLimits<R>, hidden: R) -> Self {
+        let period = limits.interpolation_period;
+        let acceleration = limits.acceleration * period * period;
+        let most = Allowance { acceleration, jerk: limits.jerk * period * period * period };
+        let taken = Allowance { acceleration: R::zero(), jerk: R::zero() };
         let count = if rest { 2 } else { 0 };
-        Self { last: [R::zero(); 2], count, acceleration: R::zero(), jerk: R::zero() }
+        Self { last: [R::zero(); 2], count, most, hidden, taken, strained: Vec::new() }
     }
 
-    fn add(&mut self, step: R) {
+    /// Adds a step, which ends at a distance.
+    fn add(&mut self, step: R, end: R, limits: &KinematicLimits<R>) {
         let [before, last] = self.last;
-        if self.count > 0 {
-            self.acceleration = self.acceleration.max((step - last).abs());
-        }
-        if self.count > 1 {
-            self.jerk = self.jerk.max(((step - last) - (last - before)).abs());
+        let share = |difference: R, most: R| (difference.abs() - self.hidden) / most;
+        let acceleration =
+            if self.count > 0 { share(step - last, self.most.acceleration) } else { R::zero() };
+        let jerk =
+            if self.count > 1 { share((step - last) - (last - before), self.most.jerk) } else { R::zero() };
+        self.taken.acceleration = self.taken.acceleration.max(acceleration);
+        self.taken.jerk = self.taken.jerk.max(jerk);
+        if acceleration.max(jerk) > R::one() + R::one().ldexp(SEEN) {
+            self.strain(end - (before + last + step), end, Allowance { acceleration, jerk }, limits);
         }
         self.last = [last, step];
         self.count = self.count.saturating_add(1);
     }
 
-    /// The share by which the motion must be slowed down to keep acceleration and jerk; 0 if it keeps them. `hidden` is the rounding of a
-    /// difference.
-    fn excess(&self, limits: &KinematicLimits<R>, hidden: R) -> R {
-        let period = limits.interpolation_period;
-        let acceleration = limits.acceleration * period * period;
-        let over = |found: R, most: R| ((found - hidden) / most - R::one()).max(R::zero());
-        let [a, j] =
-            [over(self.acceleration, acceleration), over(self.jerk, limits.jerk * period * period * period)];
+    /// Adds a way over which so much of the limits is taken; ways that overlap are one.
+    fn strain(&mut self, from: R, to: R, taken: Allowance<R>, limits: &KinematicLimits<R>) {
+        let most = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
+        let below = R::one() - R::one().ldexp(BELOW);
+        let share = |taken: R| if taken > R::one() { below / taken } else { R::one() };
+        let mut shares = Allowance { acceleration: share(taken.acceleration), jerk: share(taken.jerk) };
+        let mut begin = from;
+        if let Some(TooFast { from, slower: Slower::Changes { shares: others, .. }, .. }) =
+            self.strained.pop_if(|last| last.to >= from)
+        {
+            (begin, shares) = (from, shares.min(others));
+        }
+        let slower = Slower::Changes { most, shares };
+        self.strained.push(TooFast { from: begin, to, way: to - begin, slower });
+    }
+
+    /// The share by which the motion must be slowed down to keep acceleration and jerk; 0 if it keeps them.
+    fn excess(&self) -> R {
+        let over = |taken: R| (taken - R::one()).max(R::zero());
+        let [a, j] = [over(self.taken.acceleration), over(self.taken.jerk)];
         let (seen, to) = (R::one().ldexp(SEEN), R::one() + R::one().ldexp(BELOW));
         let by_acceleration = if a > seen { (to + a).sqrt() - R::one() } else { R::zero() };
         let by_jerk = if j > seen { cube_root(to + j) - R::one() } else { R::zero() };

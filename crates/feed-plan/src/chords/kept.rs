@@ -26,6 +26,8 @@ use crate::{FeedLimit, KinematicLimits, ScheduleBuf, Section, sections};
 const TRIALS: usize = 8;
 /// Sections are planned again in the first of them alone, so many.
 const LOWERINGS: usize = 6;
+/// For what its arcs take, so many.
+const STRAINS: usize = 2;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more, all of the section would pay for
 /// it, and the run is left to its judge.
 const MOST: i32 = -6;
@@ -47,13 +49,15 @@ struct KeptSection<R> {
 }
 
 /// The plan `arcs` and its chords. A section is planned again under a lower limit where its chords are too long or an axis takes too much,
-/// and slowed down where the arcs of its run take more than the acceleration or jerk of `limits`. `plan_again` plans the sections of these
-/// ways, if it can, and may leave others as they are in the plan that it is given.
+/// and slowed down where the arcs of its run take more than the acceleration or jerk of `limits`; where it can be planned `by_strain`, it is
+/// so first, with less of them where they take too much. `plan_again` plans the sections of these ways, if it can, and may leave others as
+/// they are in the plan that it is given.
 pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
     limit: &FeedLimit<R>,
     arcs: ScheduleBuf<R>,
     curves: &[C],
     limits: &KinematicLimits<R>,
+    by_strain: bool,
     plan_again: impl Fn(&FeedLimit<R>, &ScheduleBuf<R>, &[TooFast<R>]) -> Option<ScheduleBuf<R>>,
 ) -> Kept<R> {
     let mut longest = most_of(&arcs);
@@ -62,10 +66,13 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
     let mut found = arcs;
     let mut is_changed = false;
     for trial in 0..TRIALS {
-        let slower = slowed(&found, &shares(&found, &followed, &longest, trial));
+        let by_strain = by_strain && trial < STRAINS;
         // After some trials, what cannot be planned again is left to its judge.
-        let too_fast: Vec<_> = followed.iter().map(|one| one.is_planned_again(trial)).collect();
-        let ways: Vec<_> = followed.iter().flat_map(|one| one.too_fast.iter().copied()).collect();
+        let too_fast: Vec<_> = followed.iter().map(|one| one.is_planned_again(trial, by_strain)).collect();
+        let slower = slowed(&found, &shares(&found, &followed, &longest, &too_fast));
+        let strained = |one: &Followed<R>| if by_strain { one.strained.clone() } else { Vec::new() };
+        let ways = followed.iter().flat_map(|one| one.too_fast.iter().copied().chain(strained(one)));
+        let ways: Vec<_> = ways.collect();
         let again = too_fast.contains(&true).then(|| {
             let lowered = lowered.get_or_insert_with(|| limit.clone());
             ways.iter().for_each(|way| lowered.lower_over(way));
@@ -105,19 +112,24 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
 
 impl<R: Real> Followed<R> {
     /// Whether a section is planned again in this trial, if that can be done.
-    fn is_planned_again(&self, trial: usize) -> bool {
-        trial < LOWERINGS && !self.too_fast.is_empty()
+    fn is_planned_again(&self, trial: usize, by_strain: bool) -> bool {
+        (trial < LOWERINGS && !self.too_fast.is_empty()) || (by_strain && !self.strained.is_empty())
     }
 }
 
-/// By which share each section is to be slowed down in this trial.
-fn shares<R: Real>(plan: &ScheduleBuf<R>, followed: &[Followed<R>], longest: &[R], trial: usize) -> Vec<R> {
+/// By which share each section is to be slowed down that is not planned again.
+fn shares<R: Real>(
+    plan: &ScheduleBuf<R>,
+    followed: &[Followed<R>],
+    longest: &[R],
+    is_planned_again: &[bool],
+) -> Vec<R> {
     let durations = sections(plan.stages()).map(|section| section.duration());
-    let share = |((duration, one), longest): ((R, &Followed<R>), &R)| {
+    let share = |(((duration, one), longest), is_again): (((R, &Followed<R>), &R), &bool)| {
         let takes = duration * (R::one() + one.excess);
-        if takes > *longest || one.is_planned_again(trial) { R::zero() } else { one.excess }
+        if takes > *longest || *is_again { R::zero() } else { one.excess }
     };
-    durations.zip(followed).zip(longest).map(share).collect()
+    durations.zip(followed).zip(longest).zip(is_planned_again).map(share).collect()
 }
 
 /// The sections of a plan for which that is said.

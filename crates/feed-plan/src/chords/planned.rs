@@ -62,7 +62,7 @@ impl<R: Real> Planned<R> {
             let lead = limit.lead(curves, arcs.stages(), chords.stages(), limits.interpolation_period);
             return Ok(Self { limit, arcs, chords, lead });
         }
-        let found = kept(&limit, arcs, curves, limits, |limit, _, _| plan(limit).ok());
+        let found = kept(&limit, arcs, curves, limits, false, |limit, _, _| plan(limit).ok());
         let found = match kind {
             ProfileKind::Fastest => or_s_curves(found, &limit, curves, limits, ends),
             _ => found,
@@ -97,10 +97,26 @@ fn or_s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
     }
     match plan(limit) {
         Ok(arcs) => {
-            found.better_by_sections(kept(limit, arcs, curves, limits, |limit, _, _| plan(limit).ok()))
+            found.better_by_sections(kept(limit, arcs, curves, limits, false, |limit, _, _| plan(limit).ok()))
         }
         Err(_) => found,
     }
+}
+
+/// A plan whose sections are planned again with less of the path's acceleration and jerk where their runs take too much, or slowed down where
+/// that is faster.
+fn by_strain_or_slower<C: Differentiate<f64, D>, const D: usize>(
+    limit: &FeedLimit<f64>,
+    arcs: ScheduleBuf<f64>,
+    curves: &[C],
+    limits: &KinematicLimits<f64>,
+    plan_again: impl Fn(&FeedLimit<f64>, &ScheduleBuf<f64>, &[TooFast<f64>]) -> Option<ScheduleBuf<f64>>,
+) -> Kept<f64> {
+    let found = kept(limit, arcs.clone(), curves, limits, true, &plan_again);
+    if !found.is_in_question() {
+        return found;
+    }
+    found.better_by_sections(kept(limit, arcs, curves, limits, false, plan_again))
 }
 
 impl Planned<f64> {
@@ -118,8 +134,8 @@ impl Planned<f64> {
         let quick = |limit: &FeedLimit<f64>| plan_with(limit, limits, ends, ProfileKind::Fastest);
         let today = quick(&limit)?;
         let arcs = plan_within_axes(curves, limits, &limit, &today)?;
-        let found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
-            plan_some_within_axes((curves, limits, limit), &quick(limit).ok()?, latest, is_on(long)).ok()
+        let found = by_strain_or_slower(&limit, arcs, curves, limits, |limit, latest, ways| {
+            plan_some_within_axes((curves, limits, limit), &quick(limit).ok()?, latest, is_on(ways)).ok()
         });
         let found = or_s_curves(found, &limit, curves, limits, ends);
         Ok(Self::of(limit, found))
@@ -138,20 +154,20 @@ impl Planned<f64> {
         limits: &KinematicLimits<f64>,
     ) -> Result<Self, PlanError> {
         let arcs = plan_within_axes(curves, limits, &limit, today)?;
-        let mut found = kept(&limit, arcs, curves, limits, |limit, latest, long| {
-            plan_some_within_axes((curves, limits, limit), today, latest, is_on(long)).ok()
+        let mut found = by_strain_or_slower(&limit, arcs, curves, limits, |limit, latest, ways| {
+            plan_some_within_axes((curves, limits, limit), today, latest, is_on(ways)).ok()
         });
         if found.is_in_question() {
-            let today = kept(&limit, today.clone(), curves, limits, |_, _, _| None);
+            let today = kept(&limit, today.clone(), curves, limits, false, |_, _, _| None);
             found = found.better_by_sections(today);
         }
         Ok(Self::of(limit, found))
     }
 }
 
-/// Whether one of these chords lies between the begin and the end of a section.
-fn is_on(long: &[TooFast<f64>]) -> impl Fn([f64; 2]) -> bool + Sync {
-    |[begin, end]| long.iter().any(|chord| begin < chord.to && chord.from < end)
+/// Whether one of these ways lies between the begin and the end of a section.
+fn is_on(ways: &[TooFast<f64>]) -> impl Fn([f64; 2]) -> bool + Sync {
+    |[begin, end]| ways.iter().any(|way| begin < way.to && way.from < end)
 }
 
 #[cfg(test)]

@@ -110,6 +110,10 @@ impl<R: Real> Allowance<R> {
     pub(crate) fn min(self, other: Self) -> Self {
         Self { acceleration: self.acceleration.min(other.acceleration), jerk: self.jerk.min(other.jerk) }
     }
+
+    pub(crate) fn times(self, shares: Self) -> Self {
+        Self { acceleration: self.acceleration * shares.acceleration, jerk: self.jerk * shares.jerk }
+    }
 }
 
 /// Limits of the axes and of the path.

@@ -20,8 +20,8 @@ pub(crate) struct TooFast<R> {
 pub(crate) enum Slower<R> {
     /// At this feed, and its corners at another one.
     Feed { feed: R, at_corners: R },
-    /// With feeds that change as if all went on at this share of the speed, where they change with so much at most.
-    Changes { most: Allowance<R>, share: R },
+    /// With feeds that change with these shares of the acceleration and jerk that are allowed for it, of so much at most.
+    Changes { most: Allowance<R>, shares: Allowance<R> },
 }
 
 impl<R: Real> FeedLimit<R> {
@@ -44,11 +44,9 @@ impl<R: Real> FeedLimit<R> {
                         self.samples[end].lower_corner_to(at_corners);
                     }
                 }
-                Slower::Changes { most, share } => {
-                    let Allowance { acceleration, jerk } = self.samples[end].allowance.min(most);
-                    let square = share * share;
-                    self.samples[end].allowance =
-                        Allowance { acceleration: acceleration * square, jerk: jerk * (square * share) };
+                Slower::Changes { most, shares } => {
+                    let allowance = &mut self.samples[end].allowance;
+                    *allowance = allowance.min(most).times(shares);
                 }
             }
         }
