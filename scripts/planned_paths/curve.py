@@ -48,15 +48,7 @@ class Curve:
 
     def derivatives(self, span, u, most=3):
         """The point and its derivatives to this order."""
-        lifted = [self.homogeneous(span, order, u) for order in range(most + 1)]
-        w = [level[:, 3:] for level in lifted]
-        found = []
-        for order, level in enumerate(lifted):
-            rest = level[:, :3]
-            for k in range(1, order + 1):
-                rest = rest - BINOMIAL[order][k] * w[k] * found[order - k]
-            found.append(rest / w[0])
-        return found
+        return projected([self.homogeneous(span, order, u) for order in range(most + 1)])
 
     def lengths(self, span, begin, end):
         """The arc lengths from parameters to parameters of a span."""
@@ -72,7 +64,7 @@ class Curve:
         cell = numpy.clip(numpy.searchsorted(s, place, side="right") - 1, 0, len(u) - 2)
         low, high, begin = u[cell], u[cell + 1], s[cell]
         found = low + (high - low) * numpy.clip((place - begin) / (s[cell + 1] - begin), 0, 1)
-        for _ in range(4):
+        for _ in range(2):
             speed = numpy.linalg.norm(self.derivatives(span, found, 1)[1], axis=1)
             found = numpy.clip(found - (begin + self.lengths(span, low, found) - place) / speed, low, high)
         return found
@@ -83,16 +75,7 @@ class Curve:
 
     def bends_at(self, number, u):
         """The same at parameters."""
-        _, first, second, third = self.derivatives(self.spans[number], u)
-        along = lambda a, b: numpy.sum(a * b, axis=1, keepdims=True)
-        speed = numpy.linalg.norm(first, axis=1, keepdims=True)
-        tangent = first / speed
-        rise = along(tangent, second)
-        bend = (second - rise * tangent) / speed**2
-        # Of the second derivative of the arc length by the parameter: t' is the speed times the curvature vector.
-        gain = speed * along(bend, second) + along(tangent, third)
-        change = (third - gain * tangent - rise * speed * bend) / speed**3 - 2 * rise / speed**2 * bend
-        return tangent, bend, change
+        return bends(*self.derivatives(self.spans[number], u)[1:])
 
     def numbers(self, place):
         """Which span places lie in; a knot belongs to the one before it."""
@@ -115,3 +98,27 @@ class Curve:
 
 
 BINOMIAL = [[1], [1, 1], [1, 2, 1], [1, 3, 3, 1]]
+
+
+def projected(lifted):
+    """Point and derivatives of a curve whose homogeneous points and derivatives these are."""
+    w, found = [level[:, 3:] for level in lifted], []
+    for order, level in enumerate(lifted):
+        rest = level[:, :3]
+        for k in range(1, order + 1):
+            rest = rest - BINOMIAL[order][k] * w[k] * found[order - k]
+        found.append(rest / w[0])
+    return found
+
+
+def bends(first, second, third):
+    """Tangent, curvature vector and its derivative by the arc length, from derivatives by a parameter."""
+    along = lambda a, b: numpy.sum(a * b, axis=1, keepdims=True)
+    speed = numpy.linalg.norm(first, axis=1, keepdims=True)
+    tangent = first / speed
+    rise = along(tangent, second)
+    bend = (second - rise * tangent) / speed**2
+    # Of the second derivative of the speed: t' is the speed times the curvature vector.
+    gain = speed * along(bend, second) + along(tangent, third)
+    change = (third - gain * tangent - rise * speed * bend) / speed**3 - 2 * rise / speed**2 * bend
+    return tangent, bend, change

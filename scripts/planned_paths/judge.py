@@ -10,6 +10,8 @@ A_PERIOD, TOGETHER = 10, 200_000
 EVEN = 2**-12
 # How far from the ends of a stage the curve is looked at, in mm.
 EDGE = 1e-8
+# How far from a rest a joint may be that is rested at, in mm: sums of many lengths are rounded.
+AT_REST = 1e-7
 # A stage that changes the feed by less than this share of the commanded one only rounds it: with a constant feed in its place nothing is different.
 ROUNDED = 1e-12
 
@@ -26,6 +28,12 @@ class Plan:
         self.powers = numpy.array([stage["coefficients"] or [0.0] * 4 for stage in stages], float)
         self.begins = numpy.concatenate([[0.0], numpy.cumsum(self.length)[:-1]])
         self.periods, self.total_time, self.path = plan["periods"], plan["time_s"], plan["length_mm"]
+
+    def hastened(self, factor):
+        """Makes the same way in less time: what a plan is that keeps no limit that it has used up."""
+        self.time = self.time / factor
+        self.start_feed, self.end_feed = self.start_feed * factor, self.end_feed * factor
+        self.powers = self.powers * factor ** numpy.arange(1, 5)
 
     def motion(self, stage, time):
         """Place, feed, acceleration and jerk at times within stages."""
@@ -64,10 +72,13 @@ class Plan:
             middle = (low + high) / 2
             is_before = self.motion(stage, middle)[0] < place
             low, high = numpy.where(is_before, middle, low), numpy.where(is_before, high, middle)
-        return self.motion(stage, low)[1]
+        return numpy.where(self.from_rest(place) < AT_REST, 0, self.motion(stage, low)[1])
 
-    def rests(self):
-        return (self.begins + self.length)[self.end_feed == 0]
+    def from_rest(self, place):
+        """How far places are from the nearest rest."""
+        rests = numpy.concatenate([[0.0], (self.begins + self.length)[self.end_feed == 0], [math.inf]])
+        after = numpy.clip(numpy.searchsorted(rests, place), 1, len(rests) - 1)
+        return numpy.minimum(numpy.abs(place - rests[after]), numpy.abs(place - rests[after - 1]))
 
 
 class Taken:
@@ -78,23 +89,22 @@ class Taken:
 
     def add(self, what, shares, places):
         if len(shares):
-            k = int(numpy.nanargmax(shares))
-            if not numpy.isfinite(shares[k]) or what not in self.most or shares[k] > self.most[what][0]:
+            # A share that is no number is above every other.
+            k = int(numpy.argmax(shares))
+            if what not in self.most or not shares[k] <= self.most[what][0]:
                 self.most[what] = float(shares[k]), float(places[k])
 
 
 def taken(plan, path, limits, commanded):
     """What a plan takes of each limit; `commanded` is the feed at places."""
     found = Taken()
-    rests = numpy.concatenate([[0.0], plan.rests()])
     for stage, time in plan.samples(limits.period):
         place, feed, acceleration, jerk = plan.motion(stage, time)
         # At the ends of a stage the curve is that within it: what lies behind a knot or a joint is the next one's.
         edge = numpy.minimum(EDGE, plan.length[stage] / 4)
         inside = numpy.clip(place, plan.begins[stage] + edge, plan.begins[stage] + plan.length[stage] - edge)
         geometry = path.bends_anywhere(inside)
-        nearest = numpy.clip(numpy.searchsorted(rests, place), 1, len(rests) - 1) if len(rests) > 1 else numpy.zeros(len(place), int)
-        from_rest = numpy.minimum(numpy.abs(place - rests[nearest]), numpy.abs(place - rests[nearest - 1]))
+        from_rest = plan.from_rest(place)
         for what, most in limits.feeds(geometry[0], geometry[1], commanded(inside)):
             # No chord between two places so near a rest leaves the path by more than E.
             counts = from_rest > limits.error * (1 + 1e-9) if what == "chord error" else slice(None)

@@ -11,7 +11,7 @@ class Limits:
     """The limits of a machine, in mm and s."""
 
     def __init__(self, machine):
-        self.period, self.error = machine[PERIOD] / 1000, machine[CHORD_ERROR]
+        self.period, self.error = machine[PERIOD] / 1000, machine.get(CHORD_ERROR, 0.001)
         self.feed, self.acceleration, self.jerk, self.across = machine[FEED], machine[ACCELERATION], machine[JERK], machine.get(ACROSS)
         self.junction, self.deviation = machine.get("junction", "stop"), machine.get("junction_deviation_mm")
         self.axes = [[machine.get("axes", {}).get(axis, {}).get(key) for key in AXIS_KEYS] for axis in "xyz"]
@@ -21,7 +21,7 @@ class Limits:
         with numpy.errstate(divide="ignore"):
             radius = 1 / numpy.linalg.norm(bend, axis=1)
             half_chord = numpy.sqrt(self.error * numpy.maximum(2 * radius - self.error, 0))
-            yield "feed", commanded + 0 * radius
+            yield "feed", numpy.broadcast_to(commanded, radius.shape)
             yield "chord error", 2 / self.period * numpy.where(radius > self.error, half_chord, radius)
             if self.across is not None:
                 yield "acceleration across", numpy.sqrt(self.across * radius)

@@ -7,7 +7,7 @@ import numpy
 
 WORD = re.compile(r"\s*([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 # Words that change neither the path nor its feed.
-IDLE = {"G": {4, 9, 40, 49, 54, 61, 64, 80, 91.1, 94}, "M": {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 30, 48, 49}}
+IDLE = {"G": {4, 9, 40, 43, 43.1, 49, 54, 55, 56, 57, 58, 59, 61, 64, 80, 91.1, 92.1, 94, 98, 99}, "M": {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 30, 48, 49}}
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
 
 
@@ -89,8 +89,8 @@ def arc(begin, end, words, clockwise, plane, scale, feed, gap):
         raise UnreadError("an arc whose ends are not equally far from its centre")
     first = math.atan2(from_centre[1], from_centre[0])
     turn = (math.atan2(to_centre[1], to_centre[0]) - first) * (-1 if clockwise else 1) % (2 * math.pi)
-    if begin[one] == end[one] and begin[other] == end[other] or turn < 1e-9:
-        turn = 2 * math.pi
+    if turn * radius < 1e-6:
+        turn += 2 * math.pi
     if words.get("P", 1) != 1:
         raise UnreadError("an arc of several turns")
     way, sense = radius * turn, -1 if clockwise else 1
@@ -128,7 +128,8 @@ def read(text, machine_feed):
     moves = []
     for words in blocks(text):
         codes = [value for letter, value in words if letter == "G"]
-        rest = {letter: value for letter, value in words if letter not in "GMNST"}
+        rest = {letter: value for letter, value in words if letter not in "DGHMNST"}
+        is_home = False
         for code in codes:
             if code in (0, 1, 2, 3):
                 motion = code
@@ -138,6 +139,8 @@ def read(text, machine_feed):
                 scale = 25.4 if code == 20 else 1.0
             elif code in (90, 91):
                 is_relative = code == 91
+            elif code in (28, 30):
+                is_home = True
             elif code not in IDLE["G"]:
                 raise UnreadError(f"G{code:g}")
         for letter, value in words:
@@ -148,6 +151,11 @@ def read(text, machine_feed):
             raise UnreadError(f"the word {min(unknown)}")
         if "F" in rest:
             feed = rest["F"] * scale / 60 or machine_feed
+        if is_home:
+            # These axes begin anew.
+            named = set("XYZ") & set(rest) or set("XYZ")
+            place, gap = [None if letter in named else at for letter, at in zip("XYZ", place)], 1.0
+            continue
         if 4 in codes or not set("XYZIJ") & set(rest):
             continue
         to = list(place)
