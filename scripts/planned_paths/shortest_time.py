@@ -150,7 +150,8 @@ def shortest(path, cells):
     else:
         raise ArithmeticError(status["return_status"])
     x = numpy.array(found["x"]).ravel()
-    motion = limits.feed * x[:cells], limits.acceleration * x[cells + 1 : 2 * cells + 1], limits.jerk * x[2 * cells + 2 : 3 * cells + 2], steps * x[-cells:]
+    v, a, j = x[:cells], x[cells + 1 : 2 * cells + 1], x[2 * cells + 2 : 3 * cells + 2]
+    motion = limits.feed * v, limits.acceleration * a, limits.jerk * j, steps * x[-cells:]
     time = float(motion[3].sum())
     return Found(time, time * slowed(path, places, motion))
 
