@@ -88,6 +88,10 @@ class Curve:
             found[:, number == span] = self.bends(span, place[number == span])
         return found
 
+    def gaps(self):
+        """A curve has none."""
+        return numpy.empty(0)
+
     def joints(self):
         """The arc lengths to the knots inside, with tangent and curvature vector before and after."""
         inner = range(len(self.cells) - 1)

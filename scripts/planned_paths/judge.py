@@ -137,10 +137,14 @@ def at_joints(plan, path, limits, found):
         found.add("corner", numpy.where(feed[broken] == 0, 0, feed[broken] / most), place[broken])
 
 
-def inconsistent(plan, limits, length):
-    """What of a plan does not fit together: its stages with each other, with its time, and with the path's length."""
+def inconsistent(plan, limits, path):
+    """What of a plan does not fit together: its stages with each other, with its time, and with the path's length and gaps."""
+    length = path.length
     if abs(plan.path - length) > 1e-9 * length + 1e-9 or abs(plan.length.sum() - length) > 1e-9 * length + 1e-9:
         yield f"{plan.length.sum()} mm of stages and {plan.path} mm of path, {length} mm here"
+    moving = path.gaps()[plan.from_rest(path.gaps()) > AT_REST]
+    if len(moving):
+        yield f"it goes on where a rapid move is left out, {moving[0]:.6f} mm"
     stage = numpy.arange(len(plan.time))
     place, feed, acceleration, _ = plan.motion(stage, plan.time)
     _, first, start, _ = plan.motion(stage, 0 * plan.time)
