@@ -27,7 +27,7 @@ const TRIALS: usize = 8;
 /// Sections are planned again in the first of them alone, so many.
 const LOWERINGS: usize = 6;
 /// For what its arcs take, so many.
-const STRAINS: usize = 2;
+const STRAINS: usize = 4;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more, all of the section would pay for
 /// it, and the run is left to its judge.
 const MOST: i32 = -6;
