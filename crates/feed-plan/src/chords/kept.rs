@@ -26,8 +26,10 @@ use crate::{FeedLimit, KinematicLimits, ScheduleBuf, Section, sections};
 const TRIALS: usize = 8;
 /// Sections are planned again in the first of them alone, so many.
 const LOWERINGS: usize = 6;
-/// For what its arcs take, so many.
-const STRAINS: usize = 4;
+/// For what its arcs take, so many, if it would have to be slowed down by more than this share, 2⁻⁹: solving for less takes longer than it is
+/// worth.
+const STRAINS: usize = 2;
+const WORTH: i32 = -9;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more, all of the section would pay for
 /// it, and the run is left to its judge.
 const MOST: i32 = -6;
@@ -70,9 +72,8 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
         // After some trials, what cannot be planned again is left to its judge.
         let too_fast: Vec<_> = followed.iter().map(|one| one.is_planned_again(trial, by_strain)).collect();
         let slower = slowed(&found, &shares(&found, &followed, &longest, &too_fast));
-        let strained = |one: &Followed<R>| if by_strain { one.strained.clone() } else { Vec::new() };
-        let ways = followed.iter().flat_map(|one| one.too_fast.iter().copied().chain(strained(one)));
-        let ways: Vec<_> = ways.collect();
+        let strained = followed.iter().filter(|one| one.is_strained(by_strain)).flat_map(|one| &one.strained);
+        let ways: Vec<_> = followed.iter().flat_map(|one| &one.too_fast).chain(strained).copied().collect();
         let again = too_fast.contains(&true).then(|| {
             let lowered = lowered.get_or_insert_with(|| limit.clone());
             ways.iter().for_each(|way| lowered.lower_over(way));
@@ -113,7 +114,12 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
 impl<R: Real> Followed<R> {
     /// Whether a section is planned again in this trial, if that can be done.
     fn is_planned_again(&self, trial: usize, by_strain: bool) -> bool {
-        (trial < LOWERINGS && !self.too_fast.is_empty()) || (by_strain && !self.strained.is_empty())
+        (trial < LOWERINGS && !self.too_fast.is_empty()) || self.is_strained(by_strain)
+    }
+
+    /// Whether a section is planned again for what its arcs take.
+    fn is_strained(&self, by_strain: bool) -> bool {
+        by_strain && self.excess > R::one().ldexp(WORTH)
     }
 }
 
