@@ -155,7 +155,7 @@ fn read_lines(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diag
     } else if text.trim_start().starts_with('{') {
         geomdl::read(&mut report, &mut part);
     } else if drawing::is_drawing(text) {
-        drawing::read(&mut report, &mut part);
+        drawing::read(&mut report, &mut part, options.unit);
     } else if options.dialect.is_none() && is_toml(text) {
         if let Some(file) = curve_file::read(&mut report, text) {
             (part.curves, part.moves) = file.curves.into_iter().unzip();

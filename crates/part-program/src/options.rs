@@ -14,7 +14,7 @@ pub struct ReadOptions {
     pub lenient: bool,
     /// The place of the tool when a program begins, in mm. `None`: an axis begins where it is first sent.
     pub start_mm: Option<[f64; 3]>,
-    /// The unit of a program's lengths until a word names one. `None`: millimetres, and if no word names one,
+    /// The unit of a program's lengths until a word names one, and of a drawing that names none. `None`: millimetres, and if no word names one,
     /// [`Part::assumed_unit`](crate::Part::assumed_unit) says so.
     pub unit: Option<Unit>,
 }

@@ -1,11 +1,11 @@
 //! Reads the entities of a drawing, and adds their curves to the part.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use super::affine::Affine;
 use super::block::{Block, Inserted};
-use super::groups::{Entities, Entity};
+use super::groups::{Entities, Entity, INSERTS_LAYER};
 use super::item::Item;
 use super::layout::Layout;
 use super::left_out::LeftOut;
@@ -45,11 +45,12 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
     /// Draws the entities that are not in a block.
     pub(super) fn entities(&mut self, map: &Affine) {
         let mut items = Vec::new();
+        let is_off = self.is_off(INSERTS_LAYER);
         for start in std::mem::take(&mut self.layout.entities) {
             for entity in Entities::new(self.report.source.text, start) {
                 self.read_entity(&entity, false, &mut items);
                 for item in items.drain(..) {
-                    self.draw(item, map);
+                    self.draw(item, map, is_off);
                 }
             }
         }
@@ -86,16 +87,25 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Whether an entity is invisible, or its layer is. In a block, layer 0 means the layer on which the block is
-    /// inserted.
+    /// Whether an entity is invisible, or its layer is. Of an INSERT on a layer that is off the block decides, and in a
+    /// block layer 0 means the layer on which the block is inserted.
     fn is_hidden(&self, entity: &Entity<'t>, in_block: bool) -> bool {
-        let layer = entity.text(8).filter(|layer| !in_block || *layer != "0");
-        layer.is_some_and(|layer| self.layout.hidden_layers.contains(&layer.to_lowercase()))
+        let layer = entity.layer();
+        let is_on_its_own = !(in_block && layer == INSERTS_LAYER);
+        let is_in = |layers: &HashSet<String>| is_on_its_own && layers.contains(&layer.to_lowercase());
+        is_in(&self.layout.frozen_layers)
+            || entity.name != "INSERT" && is_in(&self.layout.off_layers)
             || entity.text(60) == Some("1")
     }
 
-    /// Maps an item to the drawing's axes, in mm, and adds it to the part.
-    pub(super) fn draw(&mut self, item: Item<'t>, map: &Affine) {
+    /// Whether a layer is off.
+    pub(super) fn is_off(&self, layer: &str) -> bool {
+        self.layout.off_layers.contains(&layer.to_lowercase())
+    }
+
+    /// Maps an item to the drawing's axes, in mm, and adds it to the part; `is_off` says whether the layer is off that
+    /// layer 0 stands for.
+    pub(super) fn draw(&mut self, item: Item<'t>, map: &Affine, is_off: bool) {
         match item {
             Item::Curve { curve, shape, span } => {
                 let (curve, shape) = conic::mapped(map, curve, shape);
@@ -106,7 +116,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
                 }
             }
             Item::Standstill(span) => self.stand_still(span),
-            Item::Insert(insert) => self.insert(&insert, map),
+            Item::Insert(insert) => self.insert(&insert, map, is_off),
         }
     }
 

@@ -13,7 +13,7 @@ impl Lexer<'_, '_, '_> {
         self.skip(|c| c.is_ascii_alphabetic() || c == b'_');
         let name = &self.line[begin..self.at];
         match name.as_bytes() {
-            [b'O' | b'o'] => return self.o_word(begin),
+            [b'O' | b'o'] if !self.takes_flags() => return self.o_word(begin),
             [b'R' | b'r'] if self.is_assigned_parameter() => {
                 self.at = begin;
                 return self.assignment(true);
@@ -81,6 +81,10 @@ impl Lexer<'_, '_, '_> {
         let name = &self.line[begin..name_end];
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => self.push(begin, key, value),
+            _ if text.is_empty() && self.takes_flags() => {
+                self.skip_text();
+                self.read.flags.extend(name.bytes().next().map(|letter| letter.to_ascii_uppercase()));
+            }
             _ if text.is_empty() => {
                 let message = format!("`{name}` has no number");
                 self.report
@@ -95,6 +99,25 @@ impl Lexer<'_, '_, '_> {
             }
         }
         Some(())
+    }
+
+    /// Whether the block begins with a word of a printer that may have letters alone: `G28 X Y`, `M84 E`.
+    fn takes_flags(&self) -> bool {
+        let takes = |word: &Word| match word.key {
+            Key::Letter(b'G') => [28.0, 29.0].contains(&word.value),
+            Key::Letter(b'M') => {
+                [17.0, 18.0].contains(&word.value) || word.value > 72.0 && !is_call(word.value)
+            }
+            _ => false,
+        };
+        self.scope.dialect.is_none() && self.read.words.first().is_some_and(takes)
+    }
+
+    /// Passes a text in quotation marks.
+    fn skip_text(&mut self) {
+        if let Some(text) = self.line[self.at..].strip_prefix('"') {
+            self.at += 1 + text.find('"').map_or(text.len(), |length| length + 1);
+        }
     }
 
     fn push(&mut self, begin: usize, key: Key, value: f64) {
@@ -190,4 +213,9 @@ impl Lexer<'_, '_, '_> {
         }
         Some(())
     }
+}
+
+/// Whether an M word calls a subprogram or ends it.
+fn is_call(value: f64) -> bool {
+    [98.0, 99.0, 198.0].contains(&value)
 }

@@ -26,7 +26,7 @@ impl Reader<'_, '_, '_> {
                     99.0 if letter == b'M' && self.flow.is_called() => {
                         self.flow.return_from(&mut self.variables)
                     }
-                    value if letter == b'M' && self.printer_word(block, value) => {}
+                    value if letter == b'M' && self.printer_word(block, value, word.span) => {}
                     value => {
                         if letter == b'M' {
                             take_arguments(block, value);

@@ -13,7 +13,7 @@ impl Reader<'_, '_, '_> {
         let Some(mut block) = Block::new(self.report, words) else { return };
         let span = block.span;
         self.unread = None;
-        let unit_before = self.modal.mm(1.0);
+        let unit_before = self.modal.feed_unit_mm();
         let Some(motion) = self.preparatory(&mut block) else { return };
         if let Some(motion) = motion {
             if !matches!(motion, Motion::Cycle(_)) || !matches!(self.modal.motion, Motion::Cycle(_)) {

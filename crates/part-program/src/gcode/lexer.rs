@@ -1,7 +1,7 @@
 //! Lexer of part programs: a line to its words.
 //!
 //! A word is a letter and a number (`X12.5`, `G06.2`) or an expression (`X[#1+2]`). In Siemens programs it may be a
-//! name, `=` and an expression (`PW=1.5`). Comments `( )` and from `;`, block numbers, program numbers and `%` are not
+//! name, `=` and an expression (`PW=1.5`). Comments `( )` and from `;`, which ends a block of FANUC, block numbers, program numbers and `%` are not
 //! words; a `%` that does not begin the program ends it. White space may stand anywhere but inside a number or a name.
 //! In addition to words, a line may give values to variables, and commands that select the line to be executed next.
 
@@ -37,7 +37,20 @@ pub(crate) fn read_line(
     if !lexer.is_setting() {
         while lexer.item().is_some() {}
     }
+    if scope.dialect == Some(Dialect::Fanuc) && lexer.read.next_block.is_none() {
+        lexer.read.next_block = behind_semicolon(line, lexer.at);
+    }
     tape.begun |= lexer.begun || !lexer.read.words.is_empty();
+}
+
+/// The byte behind the first `;` from byte `at` on that stands in no comment.
+fn behind_semicolon(line: &str, at: usize) -> Option<usize> {
+    let mut in_comment = false;
+    let ends = |c: u8| {
+        in_comment = c == b'(' || in_comment && c != b')';
+        c == b';' && !in_comment
+    };
+    line.as_bytes().get(at..)?.iter().copied().position(ends).map(|index| at + index + 1)
 }
 
 /// The place in a line, behind the end of a program, of anything but comments and delimiters.
@@ -120,7 +133,10 @@ impl Lexer<'_, '_, '_> {
         match self.peek()? {
             // Text that a printer shows.
             _ if self.is_shown_text() => None,
-            b';' => None,
+            b';' => {
+                self.read.next_block = Some(self.at + 1);
+                None
+            }
             b'%' => {
                 self.at += 1;
                 let ended = self.begun || !self.read.words.is_empty();
@@ -140,9 +156,10 @@ impl Lexer<'_, '_, '_> {
         }
     }
 
-    /// Whether the last word was M117, M118 or M23. The text behind them has no words.
+    /// Whether the last word was M117, M118, M23 or a check of the printer's model, M862. The text behind them has no words.
     fn is_shown_text(&self) -> bool {
-        let shows = |word: &Word| word.key == Key::Letter(b'M') && [23.0, 117.0, 118.0].contains(&word.value);
+        let has_text = |value: f64| [23.0, 117.0, 118.0, 862.0].contains(&value.trunc());
+        let shows = |word: &Word| word.key == Key::Letter(b'M') && has_text(word.value);
         self.read.words.last().is_some_and(shows)
     }
 

@@ -17,6 +17,8 @@ pub(crate) struct Tape {
 #[derive(Default)]
 pub(crate) struct Line {
     pub(crate) words: Vec<Word>,
+    /// Letters without a number, and those with a text, where a printer takes them.
+    pub(crate) flags: Vec<u8>,
     /// Variables with their new values, which hold from the next block on.
     pub(crate) assignments: Vec<(Variable, Value)>,
     /// The command of the line that changes the order of lines.
@@ -25,6 +27,8 @@ pub(crate) struct Line {
     pub(crate) dialect: Option<Dialect>,
     /// Whether the line is `$H` of Grbl: the machine goes to its home position.
     pub(crate) is_homing: bool,
+    /// The byte behind a `;` that ended the block.
+    pub(crate) next_block: Option<usize>,
     /// The number of bytes read, if a `%` ended the program.
     pub(crate) ended: Option<usize>,
 }
@@ -33,6 +37,8 @@ impl Line {
     pub(super) fn clear(&mut self) {
         self.words.clear();
         self.assignments.clear();
-        (self.command, self.dialect, self.is_homing, self.ended) = (None, None, false, None);
+        self.flags.clear();
+        (self.command, self.dialect, self.is_homing) = (None, None, false);
+        (self.next_block, self.ended) = (None, None);
     }
 }

@@ -105,6 +105,8 @@ pub(crate) struct Modal {
     pub(crate) absolute_centres: bool,
     /// G20.
     pub(crate) inches: bool,
+    /// Whether F counts inches. G70 and G71 change the unit of lengths alone.
+    pub(crate) feed_in_inches: bool,
     pub(crate) feed_mode: FeedMode,
     pub(crate) path_mode: PathMode,
     /// Feedrate of G94, in mm/s.
@@ -141,6 +143,11 @@ impl Modal {
     /// Millimetres of a length word.
     pub(crate) fn mm(&self, length: f64) -> f64 {
         if self.inches { length * INCH } else { length }
+    }
+
+    /// Millimetres of the unit of F.
+    pub(crate) fn feed_unit_mm(&self) -> f64 {
+        if self.feed_in_inches { INCH } else { 1.0 }
     }
 
     /// The position in numbers; coordinates that were never known are 0.

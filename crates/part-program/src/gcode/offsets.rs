@@ -58,13 +58,15 @@ impl Reader<'_, '_, '_> {
     /// Goes to the written point, as fast as the machine can, and from there to an unknown place.
     fn home(&mut self, block: &mut Block<'_>, span: Span) {
         block.take_letter(b'P');
+        if self.options.dialect.is_none() {
+            // How high a printer raises its tool before.
+            block.take_letter(b'R');
+        }
         self.modal.settle();
         let written = block.take_axes();
-        let axes: Vec<usize> = if written == [None; 3] {
-            (0..3).collect()
-        } else {
-            (0..3).filter(|axis| written[*axis].is_some()).collect()
-        };
+        let is_named = |axis: usize| written[axis].is_some() || self.flags.contains(&b"XYZ"[axis]);
+        let names_none = !(0..3).any(is_named);
+        let axes: Vec<usize> = (0..3).filter(|axis| names_none || is_named(*axis)).collect();
         let over = self.modal.target(self.modal.here(), written);
         self.traverse(over, span);
         for axis in axes {

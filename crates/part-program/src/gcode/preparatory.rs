@@ -8,7 +8,7 @@ use crate::gcode::modal::{FeedMode, Motion};
 use crate::gcode::reader::Reader;
 use crate::gcode::spline::Spline;
 use crate::gcode::word::{Key, Word};
-use crate::options::Dialect;
+use crate::options::{Dialect, Unit};
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
@@ -99,7 +99,9 @@ impl Reader<'_, '_, '_> {
     fn turning(&self, block: &Block<'_>, tenths: u16) -> Option<&'static str> {
         let has_contour = block.has(b'P') && block.has(b'Q') || block.has(b'U') && block.has(b'R');
         match tenths {
-            700 | 710 if self.options.dialect == Some(Dialect::Fanuc) => Some("G70 to G72 turn a contour"),
+            700 | 710 if matches!(self.options.dialect, Some(Dialect::Fanuc | Dialect::LinuxCnc)) => {
+                Some("G70 to G72 turn a contour")
+            }
             70 if self.options.dialect != Some(Dialect::Fanuc) => Some("G7 makes X a diameter"),
             960 => Some("G96 keeps the speed of the cut"),
             500 if block.has(b'S') => Some("G50 with S limits the speed of the spindle"),
@@ -138,8 +140,12 @@ impl Reader<'_, '_, '_> {
             170 => self.modal.plane = Plane::Xy,
             180 => self.modal.plane = Plane::Zx,
             190 => self.modal.plane = Plane::Yz,
-            200 | 700 => self.modal.inches = true,
-            210 | 710 => self.modal.inches = false,
+            200 | 210 => self.units(tenths == 200, tenths == 200),
+            7000 | 7100 if self.may_be(&[Dialect::Siemens]) => self.units(tenths == 7000, tenths == 7000),
+            // Haas drills circles of holes with these words.
+            700 | 710 if !b"IJL".iter().any(|letter| block.has(*letter)) => {
+                self.units(tenths == 700, self.options.unit == Some(Unit::Inch));
+            }
             540..=590 if tenths.is_multiple_of(10) => {
                 self.choose_work_offset(offset_of(tenths / 10 - 54), word.span)
             }
@@ -162,10 +168,13 @@ impl Reader<'_, '_, '_> {
             650 if block.has(b'P') => self.call_macro(block, word.span),
             _ => return Ok(false),
         }
-        if matches!(tenths, 200 | 700 | 210 | 710) {
-            self.names_unit = true;
-        }
         Ok(true)
+    }
+
+    /// Whether lengths are in inches, and whether F is.
+    fn units(&mut self, of_lengths: bool, of_feed: bool) {
+        (self.modal.inches, self.modal.feed_in_inches) = (of_lengths, of_feed);
+        self.names_unit = true;
     }
 
     /// `G65 P9000 A1 B2`: the letters are variables of the subprogram.
@@ -237,8 +246,15 @@ impl Reader<'_, '_, '_> {
                     word.span,
                     "a dwell: the tool rests here, and for how long is no part of the path",
                 );
-                for letter in *b"PXFS" {
-                    block.take_letter(letter);
+                // LinuxCNC's time is P, FANUC's P or X, Siemens' F or S.
+                let letters: &[u8] = match dialect {
+                    Some(Dialect::LinuxCnc) => b"P",
+                    None if block.has(b'P') => b"P",
+                    Some(Dialect::Fanuc) => b"PX",
+                    _ => b"PXFS",
+                };
+                for letter in letters {
+                    block.take_letter(*letter);
                 }
                 self.rest();
             }
@@ -248,13 +264,18 @@ impl Reader<'_, '_, '_> {
     }
 
     /// Whether a word is a setting that does not affect the path, or switches off a function that is not read.
-    fn is_aside(&mut self, block: &Block<'_>, tenths: u16) -> bool {
+    fn is_aside(&mut self, block: &mut Block<'_>, tenths: u16) -> bool {
         match tenths {
             // The coordinate setting of lathes.
             500 => !block.has_axis(),
             400 | 490 | 690 | 970 | 430 => true,
-            // Of printers: the bed is measured, filament is pulled and pushed.
-            290 | 100 | 110 if self.others.is_printer => true,
+            // A printer measures its bed; FANUC's G29 has axes.
+            290 if self.others.is_printer || self.options.dialect.is_none() && !block.has_axis() => {
+                block.clear();
+                true
+            }
+            // It pulls and pushes filament.
+            100 | 110 if self.others.is_printer => true,
             80 => self.may_be(&[Dialect::LinuxCnc]),
             131 | 150 | 230 | 250 | 401 | 670 => self.may_be(&[Dialect::Fanuc]),
             501 => self.may_be(&[Dialect::Fanuc]) && !block.has_axis(),
@@ -397,7 +418,7 @@ struct Setting {
 /// The modal groups other than the motions: for each setting, ten times the numbers of its words.
 const GROUPS: [(&str, &[&[u16]]); 6] = [
     ("planes", &[&[170], &[180], &[190]]),
-    ("units", &[&[200, 700], &[210, 710]]),
+    ("units", &[&[200, 700], &[210, 710], &[7000], &[7100]]),
     ("kinds of coordinates", &[&[900], &[910]]),
     ("kinds of arc centres", &[&[901], &[911]]),
     ("kinds of feed", &[&[930], &[940], &[950]]),

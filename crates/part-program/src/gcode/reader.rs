@@ -57,10 +57,14 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) block_number: u32,
     /// The first curve on which each axis is unknown, while it is.
     pub(crate) unknown_from: [usize; 3],
+    /// Whether the control was named, and not found out.
+    pub(crate) is_declared: bool,
     /// Whether the program is declared as FANUC's, and no length without a decimal point has been found yet.
     pub(crate) whole_units: bool,
     /// A G word of the block that is skipped.
     pub(crate) unread: Option<Span>,
+    /// Letters of the block that have no number.
+    pub(crate) flags: Vec<u8>,
     /// G9: this block alone ends at rest.
     pub(crate) block_stops: bool,
     /// Whether G61 was read before it was known whether the program is LinuxCNC's.
@@ -79,6 +83,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
     pub(crate) fn new(report: &'r mut Report<'t>, part: &'p mut Part, options: ReadOptions) -> Self {
         let mut modal = Modal::default();
         modal.inches = options.unit == Some(Unit::Inch);
+        modal.feed_in_inches = modal.inches;
         if let Some(start) = options.start_mm {
             modal.position = start.map(Some);
         }
@@ -99,8 +104,10 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             bytes: 0,
             block_number: 0,
             unknown_from: [0; 3],
+            is_declared: options.dialect.is_some(),
             whole_units: options.dialect == Some(Dialect::Fanuc),
             unread: None,
+            flags: Vec::new(),
             block_stops: false,
             is_unsure_of_stops: false,
             end: PathMode::Continuous,

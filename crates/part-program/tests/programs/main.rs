@@ -11,6 +11,7 @@ mod evaluation;
 mod inspection;
 mod large_files;
 mod malformed;
+mod meanings;
 mod moves;
 mod readers;
 mod round_trips;

@@ -1,0 +1,198 @@
+//! Words that mean different things on different controls, and words that change what others mean.
+
+use part_program::{Dialect, MoveKind, Part, ReadOptions, Unit, inspect, read_part_with};
+
+fn read(text: &str, options: ReadOptions) -> Part {
+    read_part_with("p.nc", text, options).unwrap_or_else(|errors| panic!("{text}{errors}"))
+}
+
+fn on(dialect: Dialect) -> ReadOptions {
+    ReadOptions { dialect: Some(dialect), ..ReadOptions::default() }
+}
+
+/// The feeds of the moves that cut, in mm/s.
+fn feeds(part: &Part) -> Vec<f64> {
+    part.moves
+        .iter()
+        .filter(|one| one.kind == MoveKind::Feed)
+        .map(|one| one.feedrate_mm_per_s.unwrap_or(f64::NAN))
+        .collect()
+}
+
+fn near(found: f64, expected: f64, of: &str) {
+    assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{of}: {found}, not {expected}");
+}
+
+/// SINUMERIK 802D sl, Programming, section 8.2.3: G70 and G71 change the unit of what is geometry, G700 and G710 that of F as well. An
+/// F that was written before keeps its value. The base unit is that of `--units`.
+#[test]
+fn g70_leaves_the_feed_alone_and_g700_changes_it() {
+    let metric = on(Dialect::Siemens);
+    let inch = ReadOptions { unit: Some(Unit::Inch), ..metric };
+    for (text, options, length, feed) in [
+        ("G70 G0 X0 Y0\nG1 X1 F300\n", metric, 25.4, 5.0),
+        ("G700 G0 X0 Y0\nG1 X1 F300\n", metric, 25.4, 127.0),
+        ("G710 G0 X0 Y0\nG1 X1 F300\n", inch, 1.0, 5.0),
+        ("G71 G0 X0 Y0\nG1 X1 F300\n", inch, 1.0, 127.0),
+        ("G700 G70 G0 X0 Y0\n", metric, 0.0, f64::NAN),
+        ("G700\nG71 G0 X0 Y0\nG1 X1 F300\n", metric, 1.0, 5.0),
+        ("G0 X0 Y0\nG1 F300\nG700\nG1 X1\n", metric, 25.4, 5.0),
+        ("G0 X0 Y0\nG3 X0 Y2 CR=1 F60 G70\n", metric, std::f64::consts::PI * 25.4, 1.0),
+        ("G70 G95 S60 G0 X0 Y0\nG1 X1 F0.5\n", metric, 25.4, 0.5),
+        ("G700 G95 S60 G0 X0 Y0\nG1 X1 F0.5\n", metric, 25.4, 12.7),
+        ("G20 G0 X0 Y0\nG1 X1 F60\n", ReadOptions::default(), 25.4, 25.4),
+    ] {
+        if feed.is_nan() {
+            let errors = read_part_with("p.nc", text, options).unwrap_err().to_string();
+            assert!(errors.contains("`G700` and `G70`: two units in one block"), "{errors}");
+            continue;
+        }
+        let part = read(text, options);
+        near(inspect(&part).length_mm, length, text);
+        near(feeds(&part)[0], feed, text);
+        assert_eq!(part.warnings, [], "{text}");
+    }
+    let unknown = read("G70 G0 X0 Y0\nG1 X1 F300\n", ReadOptions::default());
+    near(feeds(&unknown)[0], 5.0, "no dialect");
+    assert!(unknown.warnings[0].message.contains("`F300` is read in mm"), "{:?}", unknown.warnings);
+}
+
+/// The same words are bolt circles on a Haas mill, and cycles of a lathe in LinuxCNC.
+#[test]
+fn g70_with_words_of_a_cycle_is_no_unit() {
+    for (text, dialect, why) in [
+        ("G0 X0 Y0 Z1\nG70 I5 J10 L8\n", None, "`G70` is not read"),
+        ("G0 X0 Y0 Z1\nG71 Q100 D0.5\n", None, "G70 to G72 turn a contour"),
+        ("G0 X0 Y0 Z1\nG70 Q100\n", Some(Dialect::LinuxCnc), "G70 to G72 turn a contour"),
+    ] {
+        let options = ReadOptions { dialect, ..ReadOptions::default() };
+        let errors = read_part_with("p.nc", &format!("{text}G1 X1 F60\n"), options).unwrap_err().to_string();
+        assert!(errors.contains(why), "{errors}");
+    }
+}
+
+/// Marlin: `M220 S` is a percentage of every feed from then on, B keeps it and R brings it back.
+#[test]
+fn m220_scales_the_feed_of_a_printer() {
+    let head = "G21 G90\nG28\nG0 X0 Y0 Z0.2\n";
+    for (text, expected) in [
+        ("M220 S50\nG1 X10 E1 F1800\n", &[15.0][..]),
+        ("G1 X10 E1 F1800\nM220 S200\nG1 X20 E2\nG1 X30 F600\nM220 S100\nX40\n", &[30.0, 60.0, 20.0, 10.0]),
+        ("G1 X10 E1 F1800\nM220 S50\nM220 B\nM220 S10\nX20\nM220 R\nX30\n", &[30.0, 3.0, 15.0]),
+        ("M220 S50\nG3 X10 Y0 I5 J0 E1 F1800\n", &[15.0]),
+    ] {
+        let part = read(&format!("{head}{text}"), ReadOptions::default());
+        let found = feeds(&part);
+        assert_eq!(found.len(), expected.len(), "{text}: {found:?}");
+        found.iter().zip(expected).for_each(|(found, expected)| near(*found, *expected, text));
+        assert!(part.auxiliary.iter().all(|word| word.letter != 'S'), "no speed of a spindle: {text}");
+        assert_eq!(part.warnings, [], "{text}");
+    }
+    let errors =
+        read_part_with("p", &format!("{head}M220 S0\nG1 X1 F60\n"), ReadOptions::default()).unwrap_err();
+    assert!(errors.to_string().contains("`S0`: a feed of 0 %"), "{errors}");
+}
+
+/// M201 to M205 set limits that a printer plans with: here the machine file has them.
+#[test]
+fn limits_that_a_printer_sets_are_named() {
+    let text = "G21 G90\nM201 X1000 Y1000 Z200 E5000\nM203 X200 Y200 Z12 E120\nM204 S1250 T1250\nM205 X8 Y8\n\
+                G0 X0 Y0 Z0.2\nG1 X10 E1 F1800\nM204 S500\nG1 X20 E2\n";
+    let part = read(text, ReadOptions::default());
+    let said: Vec<_> = part.warnings.iter().map(|said| (said.line, said.message.as_str())).collect();
+    let limit = |word: &str| format!("`{word}` sets limits of the printer: those of the machine file hold");
+    assert_eq!(
+        said,
+        [
+            (2, limit("M201").as_str()),
+            (3, limit("M203").as_str()),
+            (4, format!("{}, and 1 more like it", limit("M204")).as_str()),
+            (5, limit("M205").as_str()),
+        ]
+    );
+    near(inspect(&part).length_mm, 20.0, text);
+}
+
+/// LinuxCNC's dwell takes P alone: coordinates of its block are those of the motion in force, which follows the dwell.
+#[test]
+fn a_dwell_with_coordinates_moves_where_it_does() {
+    let text = "G21 G90 F600\nG0 X0 Y0 Z0\nG1 X5\nG4 P1 X10\nG1 Y7\n";
+    for dialect in [Some(Dialect::LinuxCnc), None] {
+        let part = read(text, ReadOptions { dialect, ..ReadOptions::default() });
+        near(inspect(&part).length_mm, 17.0, "linuxcnc");
+        assert!(part.moves[0].exact_stop && !part.moves[1].exact_stop);
+    }
+    // FANUC's X is the time, and so are Siemens' F and S.
+    near(inspect(&read(text, on(Dialect::Fanuc))).length_mm, 5.0_f64 + 7.0, "fanuc");
+    let seconds = "G21 G90\nG0 X0 Y0 Z0\nG1 X5 F600\nG4 X10\nG4 F60\nG1 Y7\n";
+    for (dialect, feed) in [(Some(Dialect::Fanuc), 1.0), (Some(Dialect::Siemens), 10.0), (None, 10.0)] {
+        let part = read(seconds, ReadOptions { dialect, ..ReadOptions::default() });
+        near(inspect(&part).length_mm, 12.0, seconds);
+        assert_eq!(feeds(&part), [10.0, feed]);
+    }
+    let feed = "G0 X0 Y0\nG4 P1 F60\nG1 X1\n";
+    assert_eq!(feeds(&read(feed, on(Dialect::LinuxCnc))), [1.0], "LinuxCNC's F is the feed");
+}
+
+/// FANUC's EOB is printed as `;`. Elsewhere a comment begins there.
+#[test]
+fn a_semicolon_ends_a_block_of_fanuc() {
+    let text =
+        "O1;\nG21 G90 G17;\nG0 X0. Y0. Z0.;\nG1 X10. F300. (a ; b); G1 Y5.;; N9 G1 X0.;\n/G1 Y0.; M30;\n";
+    let part = read(text, on(Dialect::Fanuc));
+    near(inspect(&part).length_mm, 30.0, text);
+    assert_eq!(part.moves.iter().map(|one| one.line).collect::<Vec<_>>(), [4, 4, 4, 5]);
+    let blocks: Vec<_> = part.moves.iter().map(|one| one.block).collect();
+    assert!(blocks.windows(2).all(|pair| pair[0] < pair[1]), "{blocks:?}");
+    near(inspect(&read(text, ReadOptions::default())).length_mm, 10.0, "a comment");
+    // A jump or a call from within a line would not come back to it.
+    for text in ["IF [1 EQ 1] GOTO 5; G1 Y5.;\nN5 G1 X3.;\n", "M98 P7; G1 Y5.;\nM30\nO7\nG1 X1.\nM99\n"] {
+        let errors = read_part_with("p", &format!("G0 X0. Y0.\n{text}"), on(Dialect::Fanuc)).unwrap_err();
+        assert!(errors.to_string().contains("a block behind a jump or a call, on its line"), "{errors}");
+    }
+    let found_out =
+        read("G0 X0 Y0\n#1=1\nIF [#1 EQ 2] GOTO 5\nG1 X1 F60; G1 Y5\nN5 G1 X3\n", ReadOptions::default());
+    assert!(
+        found_out
+            .warnings
+            .iter()
+            .any(|said| said.line == 4 && said.message.contains("`;` ends a block of fanuc")),
+        "{:?}",
+        found_out.warnings
+    );
+}
+
+/// Start lines of printers: letters without a number, and texts.
+#[test]
+fn letters_alone_are_words_of_printers() {
+    let start = "G90\nM82\nG0 X10 Y10 Z0.2 F3000\nG1 X20 Y10 E1 F1800\n";
+    for line in [
+        "G28 W",
+        "G28 X Y",
+        "G28 X0 Y0",
+        "G28 O",
+        "G28 R5 Z",
+        "G29",
+        "G29 T",
+        "G29 S1 P2",
+        "M84 X Y E",
+        "M18 X",
+        "M862.3 P \"MK3S\" ; model",
+        "M862.1 P0.4",
+        "M486 S0 A\"a part\"",
+        "M420 S1 V",
+        "M73 P0 R10",
+    ] {
+        let part = read(&format!("G21\n{line}\n{start}{line}\n"), ReadOptions::default());
+        near(inspect(&part).length_mm, 10.0, line);
+        assert_eq!(part.warnings, [], "{line}");
+    }
+    // Only the axes that are named go home.
+    let part = read(&format!("G21\n{start}G28 X\nG1 Y15 E2\nG1 X12\nG1 Y10\n"), ReadOptions::default());
+    near(inspect(&part).length_mm, 20.0, "Y is known, X begins anew");
+    for (text, dialect) in [("G1 X", None), ("M3 S", None), ("G28 X", Some(Dialect::LinuxCnc))] {
+        let options = ReadOptions { dialect, ..ReadOptions::default() };
+        let errors = read_part_with("p", &format!("{start}{text}\n"), options).unwrap_err().to_string();
+        assert!(errors.contains("has no number"), "{errors}");
+    }
+}
