@@ -22,8 +22,8 @@ impl Lexer<'_, '_, '_> {
             _ => {}
         }
         match NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
-            Some((_, Key::Bspline)) => {
-                self.read.words.push(Word { key: Key::Bspline, value: 0.0, span: self.span(begin, self.at) });
+            Some((_, key)) if key.is_command() => {
+                self.read.words.push(Word { key: *key, value: 0.0, span: self.span(begin, self.at) });
                 Some(())
             }
             Some((_, key)) => self.number(begin, *key),
@@ -187,8 +187,8 @@ impl Lexer<'_, '_, '_> {
             format!("unknown word `{}`", self.line[begin..self.at].chars().take(40).collect::<String>());
         if self.lenient {
             self.report.of_kind(false, span, &name, message);
-            self.skip(|c| c == b' ' || c == b'=');
-            self.skip(is_number);
+            self.read.unread.get_or_insert(span);
+            self.skip_arguments();
             return Some(());
         }
         let diagnostic = self.report.of_kind(true, span, &name, message);
@@ -199,15 +199,27 @@ impl Lexer<'_, '_, '_> {
         None
     }
 
+    /// Passes `=` and a number, a text or a list in brackets behind an unknown name.
+    fn skip_arguments(&mut self) {
+        self.skip(|c| c == b' ' || c == b'\t' || c == b'=');
+        self.skip(is_number);
+        self.skip_text();
+        if self.peek() == Some(b'(') {
+            let rest = &self.line[self.at..];
+            self.at += rest.find(')').map_or(rest.len(), |length| length + 1);
+        }
+    }
+
     /// An unknown name with `=` and its number. The lexer must be behind the name.
     fn unknown_assignment(&mut self, begin: usize) -> Option<()> {
         let message =
             format!("unknown word `{}=`", self.line[begin..self.at].chars().take(40).collect::<String>());
-        self.skip(|c| c == b' ' || c == b'\t' || c == b'=');
-        self.skip(is_number);
+        self.skip_arguments();
         let span = self.span(begin, self.at);
         if self.lenient {
-            self.report.warning(span, message);
+            let name = self.line[begin..self.at].split('=').next().unwrap_or("").to_ascii_uppercase();
+            self.report.of_kind(false, span, name, message);
+            self.read.unread.get_or_insert(span);
         } else {
             self.report.error(span, message).expected("a letter with a number, or SD=, PW=, PL=, CR=");
         }

@@ -78,6 +78,7 @@ impl Reader<'_, '_, '_> {
         let message = format!("{what} is not in this file");
         if self.options.lenient {
             self.report.warning(span, format!("{message}: its moves are left out"));
+            self.lose_track_of_all();
         } else {
             self.report
                 .error(span, message)

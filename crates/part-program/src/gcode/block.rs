@@ -69,6 +69,10 @@ impl<'w> Block<'w> {
         self.words.iter().filter(|word| is_one_of(word)).find(whole).copied()
     }
 
+    pub(crate) fn words(&self) -> &[Word] {
+        self.words
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.words.is_empty()
     }

@@ -12,7 +12,7 @@ impl Reader<'_, '_, '_> {
     pub(crate) fn block(&mut self, words: &mut Vec<Word>) {
         let Some(mut block) = Block::new(self.report, words) else { return };
         let span = block.span;
-        self.unread = None;
+        self.unread = self.unread_name;
         let unit_before = self.modal.feed_unit_mm();
         let Some(motion) = self.preparatory(&mut block) else { return };
         if let Some(motion) = motion {
@@ -25,8 +25,10 @@ impl Reader<'_, '_, '_> {
         let ends = self.auxiliary(&mut block);
         self.other_axes(&mut block);
         let inverse_feed = self.feed(&mut block, unit_before);
-        let unread = self.unread.take();
-        if let Some((placing, span)) = self.placing.take().filter(|_| unread.is_none()) {
+        let unread = self.unread.take().or_else(|| self.shaping_word(&block));
+        if unread.is_none()
+            && let Some((placing, span)) = self.placing.take()
+        {
             self.place_coordinates(&mut block, placing, span);
         } else if unread.is_some() || self.modal.motion == Motion::Unread {
             self.leave_out(&mut block, unread);
@@ -45,6 +47,12 @@ impl Reader<'_, '_, '_> {
     fn motion(&mut self, block: &mut Block<'_>, is_new: bool, inverse_feed: Option<f64>) {
         if !is_new && block.is_empty() {
             return;
+        }
+        if self.unread_frame.is_some() {
+            return self.leave_out(block, None);
+        }
+        if self.modal.is_lost() && !matches!(self.modal.motion, Motion::None | Motion::Broken) {
+            return self.find_again(block, is_new);
         }
         self.end = if self.block_stops { PathMode::ExactStop } else { self.modal.path_mode };
         if block.has_axis() || b"IJK".iter().any(|letter| block.has(*letter)) {

@@ -52,10 +52,7 @@ impl Reader<'_, '_, '_> {
         for letter in *b"IJ" {
             block.take_letter(letter);
         }
-        let holes = &mut self.holes;
-        holes.bottom = height.or(holes.bottom);
-        holes.retract = block.take_letter(b'R').map(|word| word.value).or(holes.retract);
-        holes.step = block.take_letter(b'Q').map(|word| word.value).or(holes.step);
+        self.holes.keep(height, block);
         let Some(heights) = self.heights(normal, span) else { return };
         let mut place = self.modal.here();
         for _ in 0..repeats {

@@ -192,6 +192,7 @@ impl Lexer<'_, '_, '_> {
         let span = self.span(begin, self.at);
         if self.lenient {
             self.report.warning(span, what);
+            self.read.unread.get_or_insert(span);
             return Some(());
         }
         self.report.error(span, what).expected("a word such as X12.5");

@@ -21,6 +21,8 @@ pub(crate) struct Line {
     pub(crate) flags: Vec<u8>,
     /// Variables with their new values, which hold from the next block on.
     pub(crate) assignments: Vec<(Variable, Value)>,
+    /// A name or a character that is not read: its block is left out.
+    pub(crate) unread: Option<Span>,
     /// The command of the line that changes the order of lines.
     pub(crate) command: Option<(Command, Span)>,
     /// The control whose way of writing commands or variables is found in the line.
@@ -39,6 +41,6 @@ impl Line {
         self.assignments.clear();
         self.flags.clear();
         (self.command, self.dialect, self.is_homing) = (None, None, false);
-        (self.next_block, self.ended) = (None, None);
+        (self.unread, self.next_block, self.ended) = (None, None, None);
     }
 }

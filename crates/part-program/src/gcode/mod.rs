@@ -13,6 +13,8 @@
 //! | G73 G74 G76 G80 to G89, G98 G99 | drilling cycles | `drilling` |
 //! | G06.2, G5.2 G5.3, G5, G5.1, BSPLINE | splines of FANUC, LinuxCNC and Siemens | `spline_move`, `fanuc`, `linuxcnc`, `siemens` |
 //! | G17 G18 G19, G20 G21 (G70 G71 G700 G710), G90 G91, G90.1 G91.1 | planes, units, coordinates, centres | `preparatory` |
+//! | TRANS ATRANS | a shift of the coordinates | `offsets` |
+//! | words that are not read | what they leave out | `left_out` |
 //! | G10 G28 G30 G52 G53 G54 to G59.3 G92 | where 0 is, and moves to places of the machine | `offsets` |
 //! | F with G93 G94 G95 | feed | `feed` |
 //! | G9, G61 G61.1 G64, of FANUC G62 G63, of Siemens G60 | exact stop at the ends of moves, or not | `preparatory` |
@@ -42,6 +44,7 @@ mod fanuc;
 mod feed;
 mod flow;
 mod function;
+mod left_out;
 mod lexer;
 mod line;
 mod linuxcnc;

@@ -3,6 +3,7 @@
 use crate::arc::Plane;
 use crate::exact_stops::PathMode;
 use crate::gcode::cycle::Cycle;
+use crate::gcode::word::Key;
 use crate::unit::INCH;
 
 /// Work offsets: G54 to G59, G59.1 to G59.3.
@@ -62,6 +63,32 @@ impl Motion {
             Self::Cycle(_) => "a drilling cycle",
             Self::WithSpindle { .. } => "G33",
             Self::Unread => "a motion that is not read",
+        }
+    }
+
+    /// Whether a letter, or a name, that this motion does not know may be passed over without another path: corners,
+    /// angles and turns are written in words of blocks.
+    pub(crate) fn may_lack(self, key: Key) -> bool {
+        match self {
+            Self::Rapid | Self::Line => matches!(key, Key::Letter(b'P' | b'Q' | b'L' | b'H' | b'D')),
+            Self::Arc { .. } | Self::Cycle(_) | Self::WithSpindle { .. } => false,
+            _ => true,
+        }
+    }
+
+    /// Whether it knows a word.
+    pub(crate) fn takes(self, key: Key) -> bool {
+        let letters: &[u8] = match self {
+            Self::Arc { .. } => b"IJKRP",
+            Self::Cycle(_) => b"RQPLKIJ",
+            Self::WithSpindle { .. } => b"K",
+            _ => b"",
+        };
+        match key {
+            Key::Letter(letter) => b"XYZ@^".contains(&letter) || letters.contains(&letter),
+            Key::CornerRadius | Key::CornerDistance => self == Self::Line,
+            Key::CircleRadius => matches!(self, Self::Arc { .. }),
+            _ => false,
         }
     }
 
@@ -135,6 +162,8 @@ pub(crate) struct Modal {
     last_known: [f64; 3],
     /// Axes that incremental words moved from their assumed places.
     pub(crate) from_unknown: [bool; 3],
+    /// Axes whose place a block that was left out has changed: nothing moves until all of them are named.
+    pub(crate) lost: [bool; 3],
     /// The first places of axes that were unknown and have been named since this was last read.
     pub(crate) begun: [Option<f64>; 3],
 }
@@ -246,12 +275,18 @@ impl Modal {
 
     /// Moves the axes with a coordinate to `target`.
     pub(crate) fn arrive(&mut self, mut written: [Option<f64>; 3], target: [f64; 3]) {
+        let named = [written[0].is_some(), written[1].is_some()];
         if self.is_turned() {
             let either = written[0].or(written[1]);
             (written[0], written[1]) = (either, either);
         }
         for axis in (0..3).filter(|axis| written[*axis].is_some()) {
-            if self.position[axis].is_none() {
+            if self.lost[axis] {
+                if self.incremental || self.is_half_known(axis, named) {
+                    continue;
+                }
+                self.lost[axis] = false;
+            } else if self.position[axis].is_none() {
                 self.from_unknown[axis] = self.incremental;
                 self.begun[axis] = Some(target[axis]).filter(|_| !self.incremental);
             }
@@ -259,10 +294,26 @@ impl Modal {
         }
     }
 
+    /// Whether the place of an axis in the part depends on a coordinate that is lost and not named.
+    fn is_half_known(&self, axis: usize, named: [bool; 2]) -> bool {
+        axis < 2 && self.is_turned() && named != [true; 2]
+    }
+
+    /// Whether where the tool is is not known, because a block was left out.
+    pub(crate) fn is_lost(&self) -> bool {
+        self.lost != [false; 3]
+    }
+
+    /// Forgets the place of an axis that a block which is left out may have moved.
+    pub(crate) fn lose_track(&mut self, axis: usize) {
+        self.forget(axis);
+        self.lost[axis] = true;
+    }
+
     /// Forgets the place of an axis.
     pub(crate) fn forget(&mut self, axis: usize) {
         self.last_known[axis] = self.here()[axis];
-        (self.position[axis], self.from_unknown[axis]) = (None, false);
+        (self.position[axis], self.from_unknown[axis], self.lost[axis]) = (None, false, false);
     }
 }
 

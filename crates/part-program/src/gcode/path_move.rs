@@ -58,7 +58,7 @@ impl Reader<'_, '_, '_> {
     }
 
     /// Stores the axes that were unknown before this straight move and are known now.
-    fn approach(&mut self, before: [Option<f64>; 3], span: Span) {
+    pub(crate) fn approach(&mut self, before: [Option<f64>; 3], span: Span) {
         let here = self.modal.position;
         let axes = std::array::from_fn(|axis| before[axis].is_none() && here[axis].is_some());
         // Incremental words do not give their start.

@@ -18,6 +18,7 @@ impl Reader<'_, '_, '_> {
         let bspline = block.take(Key::Bspline).map(|word| (Motion::Bspline, word.span));
         let mut commands = bspline.into_iter().collect::<Vec<_>>();
         self.block_stops = false;
+        self.frame_words(block)?;
         let mut settings: Vec<(Setting, Span)> = Vec::new();
         while let Some(word) = block.take_letter(b'G') {
             if let Some(setting) = Setting::of(word.value) {
@@ -31,6 +32,7 @@ impl Reader<'_, '_, '_> {
             {
                 self.close(word.span);
             }
+            self.end_frame(word);
             match self.general(block, word) {
                 Ok(None) => {}
                 Ok(Some(command)) => commands.push((command, word.span)),
@@ -145,6 +147,10 @@ impl Reader<'_, '_, '_> {
             // Haas drills circles of holes with these words.
             700 | 710 if !b"IJL".iter().any(|letter| block.has(*letter)) => {
                 self.units(tenths == 700, self.options.unit == Some(Unit::Inch));
+            }
+            // With axes Siemens' words shift the coordinates.
+            580 | 590 if self.options.dialect == Some(Dialect::Siemens) && block.has_axis() => {
+                return Ok(false);
             }
             540..=590 if tenths.is_multiple_of(10) => {
                 self.choose_work_offset(offset_of(tenths / 10 - 54), word.span)
@@ -268,6 +274,13 @@ impl Reader<'_, '_, '_> {
         match tenths {
             // The coordinate setting of lathes.
             500 => !block.has_axis(),
+            // Of Haas: how smooth the path is, and how many blocks are read ahead.
+            1030 | 1870 if self.may_be(&[Dialect::Fanuc]) => {
+                for letter in *b"PE" {
+                    block.take_letter(letter);
+                }
+                true
+            }
             400 | 490 | 690 | 970 | 430 => true,
             // A printer measures its bed; FANUC's G29 has axes.
             290 if self.others.is_printer || self.options.dialect.is_none() && !block.has_axis() => {
@@ -287,61 +300,6 @@ impl Reader<'_, '_, '_> {
     /// Whether the program can be in one of these dialects.
     fn may_be(&self, dialects: &[Dialect]) -> bool {
         self.options.dialect.is_none_or(|dialect| dialects.contains(&dialect))
-    }
-
-    /// A G word that is not read: an error; or, for a lenient reader, the words of the block that it leaves out are
-    /// stored.
-    fn unread_word(&mut self, word: Word) -> Result<Option<Motion>, ()> {
-        if self.options.lenient {
-            if let Some(other) = self.unread.replace(word.span) {
-                let text = self.report.source.slice(other).to_owned();
-                let message = format!("`{text}` is not read");
-                self.report.of_kind(false, other, text, message);
-            }
-            return Ok(moves(word.value).then_some(Motion::Unread));
-        }
-        let text = self.report.source.slice(word.span);
-        let message = if matches!(code(word.value), Some(410..=429)) {
-            format!("cutter compensation, `{text}`, is not read")
-        } else {
-            format!("`{text}` is not read")
-        };
-        self.report
-            .of_kind(true, word.span, format!("G{}", word.value), message)
-            .expected("a motion, G0 to G3 or a spline, or a setting such as G17 to G21, G90, G91, G93 or G94")
-            .hint("`--lenient` reads over it and says what of its block is left out");
-        Err(())
-    }
-
-    /// Leaves out the rest of a block that `by` makes unreadable, or that continues a motion that is not read.
-    pub(crate) fn leave_out(&mut self, block: &mut Block<'_>, by: Option<Span>) {
-        let span = by.unwrap_or(block.span);
-        let word = by.map(|by| format!("`{}` is not read", self.report.source.slice(by)));
-        if self.modal.motion.is_spline() {
-            let message = word.unwrap_or_default();
-            self.report.error(span, message).expected("no such word in a spline: its points would be others");
-            block.clear();
-            return;
-        }
-        for axis in (0..3).filter(|axis| block.has(b"XYZ"[*axis])) {
-            if self.modal.position[axis].is_some() {
-                self.unknown_from[axis] = self.part.curves.len();
-            }
-            self.modal.forget(axis);
-        }
-        let moves = block.has_axis();
-        let words = block.texts(&self.report.source).join(" ");
-        block.clear();
-        let message = match word {
-            Some(word) if words.is_empty() => word,
-            Some(word) => format!("{word}: {words} left out of its block"),
-            None if words.is_empty() => return,
-            None => format!("{words} left out: the motion in force is not read"),
-        };
-        let warning = self.report.warning(span, message);
-        if moves {
-            warning.hint("where these axes are is not known until a move in G90 names them");
-        }
     }
 
     /// G90. If incremental words moved an axis from an unknown place, that place matters from here on.
@@ -440,11 +398,6 @@ impl Setting {
     fn contradicts(self, other: Self) -> bool {
         self.group == other.group && self.index != other.index
     }
-}
-
-/// Whether a G word that is not read is a motion that stays in force: threads, probing, cycles, and other curves.
-fn moves(value: f64) -> bool {
-    code(value).is_some_and(|code| matches!(code / 10, 2 | 3 | 32..=35 | 38 | 76 | 87 | 331 | 332))
 }
 
 /// Ten times a G number: 62 for G06.2. `None` for finer fractions and for numbers that no G word has.

@@ -115,6 +115,10 @@ impl Reader<'_, '_, '_> {
         }
         self.flags.clone_from(&read.flags);
         self.others.is_printer |= !self.flags.is_empty();
+        self.unread_name = read.unread;
+        if read.words.is_empty() && read.unread.is_some() {
+            self.lose_track_of_all();
+        }
         self.block(&mut read.words);
         if let Some((command, span)) = read.command.take() {
             let mut context = Context {

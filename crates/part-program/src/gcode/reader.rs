@@ -8,6 +8,7 @@ use crate::gcode::block::Block;
 use crate::gcode::corner::Corner;
 use crate::gcode::cycle::Holes;
 use crate::gcode::flow::Flow;
+use crate::gcode::left_out::Frame;
 use crate::gcode::modal::{Modal, WORK_OFFSETS};
 use crate::gcode::other_axes::OtherAxes;
 use crate::gcode::placing::Placing;
@@ -61,6 +62,10 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) is_declared: bool,
     /// Whether the program is declared as FANUC's, and no length without a decimal point has been found yet.
     pub(crate) whole_units: bool,
+    /// A name of the block that is not read, or a character.
+    pub(crate) unread_name: Option<Span>,
+    /// What ends turned or scaled coordinates that are not read, or calls at every place, while they are in force.
+    pub(crate) unread_frame: Option<Frame>,
     /// A G word of the block that is skipped.
     pub(crate) unread: Option<Span>,
     /// Letters of the block that have no number.
@@ -106,6 +111,8 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             unknown_from: [0; 3],
             is_declared: options.dialect.is_some(),
             whole_units: options.dialect == Some(Dialect::Fanuc),
+            unread_name: None,
+            unread_frame: None,
             unread: None,
             flags: Vec::new(),
             block_stops: false,

@@ -9,6 +9,10 @@ pub(crate) enum Key {
     Letter(u8),
     /// `BSPLINE`, which has no number.
     Bspline,
+    /// `TRANS`, and `ATRANS`, which adds: a shift of the coordinates.
+    Trans { adds: bool },
+    /// `ROT`, `SCALE`, `MIRROR` and what adds to them, or replaces them: turned and scaled coordinates.
+    Frame { adds: bool },
     /// `SD=`, spline degree.
     SplineDegree,
     /// `PW=`, point weight.
@@ -24,8 +28,16 @@ pub(crate) enum Key {
 }
 
 /// The addresses that are names.
-pub(super) const NAMES: [(&str, Key); 7] = [
+pub(super) const NAMES: [(&str, Key); 15] = [
     ("BSPLINE", Key::Bspline),
+    ("TRANS", Key::Trans { adds: false }),
+    ("ATRANS", Key::Trans { adds: true }),
+    ("ROT", Key::Frame { adds: false }),
+    ("AROT", Key::Frame { adds: true }),
+    ("SCALE", Key::Frame { adds: false }),
+    ("ASCALE", Key::Frame { adds: true }),
+    ("MIRROR", Key::Frame { adds: false }),
+    ("AMIRROR", Key::Frame { adds: true }),
     ("SD", Key::SplineDegree),
     ("PW", Key::PointWeight),
     ("PL", Key::IntervalLength),
@@ -40,4 +52,11 @@ pub(crate) struct Word {
     pub(crate) key: Key,
     pub(crate) value: f64,
     pub(crate) span: Span,
+}
+
+impl Key {
+    /// Whether it is a name without a number.
+    pub(super) fn is_command(self) -> bool {
+        matches!(self, Self::Bspline | Self::Trans { .. } | Self::Frame { .. })
+    }
 }

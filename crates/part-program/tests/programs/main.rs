@@ -10,6 +10,7 @@ mod dialects;
 mod evaluation;
 mod inspection;
 mod large_files;
+mod left_out;
 mod malformed;
 mod meanings;
 mod moves;

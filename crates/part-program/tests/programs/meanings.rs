@@ -196,3 +196,13 @@ fn letters_alone_are_words_of_printers() {
         assert!(errors.contains("has no number"), "{errors}");
     }
 }
+
+/// SINUMERIK 840D sl, Fundamentals, "Axial zero offset": with axes G58 and G59 shift the coordinates, and move nothing.
+#[test]
+fn siemens_g58_with_axes_is_no_move() {
+    let text = "G90 G0 X0 Y0\nG1 X5 F60\nG58 X100\nG1 X10\nX20\n";
+    let errors = read_part_with("p.nc", text, on(Dialect::Siemens)).unwrap_err().to_string();
+    assert!(errors.contains("`G58` is not read"), "{errors}");
+    let part = read(text, ReadOptions { lenient: true, ..on(Dialect::Siemens) });
+    near(inspect(&part).length_mm, 5.0, text);
+}
