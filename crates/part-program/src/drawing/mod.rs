@@ -24,7 +24,6 @@
 mod affine;
 pub(crate) mod binary;
 mod block;
-mod clamp;
 mod conic;
 mod fit;
 mod groups;

@@ -4,6 +4,8 @@ use crate::auxiliary::Auxiliary;
 use crate::gcode::block::Block;
 use crate::gcode::flow::Call;
 use crate::gcode::reader::Reader;
+use crate::gcode::word::END_OF_SUBPROGRAM;
+use crate::options::Dialect;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
@@ -32,10 +34,11 @@ impl Reader<'_, '_, '_> {
                             take_arguments(block, value);
                         }
                         if letter == b'S' {
-                            self.modal.spindle_per_minute = Some(value).filter(|speed| *speed > 0.0);
+                            self.modal.spindle_per_minute =
+                                Some(value).filter(|speed| *speed > 0.0 && !self.modal.keeps_cut_speed);
                         }
                         let line = self.line_of(word.span);
-                        ends |= letter == b'M' && [2.0, 30.0, 99.0].contains(&value);
+                        ends |= letter == b'M' && self.is_end(value);
                         let block = self.block_number;
                         self.part.auxiliary.push(Auxiliary::new(letter, value, line, block));
                     }
@@ -43,6 +46,12 @@ impl Reader<'_, '_, '_> {
             }
         }
         ends
+    }
+
+    /// Whether an M word ends the program.
+    fn is_end(&self, value: f64) -> bool {
+        [2.0, 30.0, 99.0].contains(&value)
+            || value == END_OF_SUBPROGRAM && self.options.dialect == Some(Dialect::Siemens)
     }
 
     /// Calls a subprogram of this file by M98 or G65.

@@ -12,6 +12,7 @@ use crate::gcode::block::Block;
 use crate::gcode::modal::Motion;
 use crate::gcode::other_axes::OTHERS;
 use crate::gcode::reader::Reader;
+use crate::gcode::word::{Count, Key};
 use crate::part::Filament;
 use crate::source::Span;
 
@@ -47,6 +48,29 @@ impl Reader<'_, '_, '_> {
         if let Some(word) = block.take_letter(b'E') {
             self.extrude(block, self.modal.mm(word.value), is_set, word.span);
         }
+    }
+
+    /// Makes numbers that say where they count from, AC() and IC(), count as G90 or G91 wants those of the block, or as
+    /// centres count. Where the tool is not known, a number that counts from there is dropped.
+    pub(crate) fn count_as_ordered(&mut self, block: &mut Block<'_>) {
+        let modal = &self.modal;
+        let moves_on = |letter: u8| match letter {
+            b'X' | b'Y' | b'Z' => Some((usize::from(letter - b'X'), modal.incremental)),
+            b'I' | b'J' | b'K' => Some((usize::from(letter - b'I'), !modal.absolute_centres)),
+            _ => None,
+        };
+        block.change(|word| {
+            let (Some(count), Key::Letter(letter)) = (word.count, word.key) else { return true };
+            let Some((axis, is_incremental)) = moves_on(letter) else { return true };
+            let here = modal.programmed(axis);
+            match count {
+                Count::Incremental if modal.lost[axis] => return false,
+                Count::Incremental if !is_incremental => word.value += here,
+                Count::Absolute if is_incremental => word.value -= here,
+                _ => {}
+            }
+            true
+        });
     }
 
     /// E: the length of filament in this block.

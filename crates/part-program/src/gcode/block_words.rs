@@ -21,6 +21,8 @@ impl Reader<'_, '_, '_> {
             }
             self.modal.motion = motion;
         }
+        self.names_y |= block.has(b'Y');
+        self.count_as_ordered(&mut block);
         self.look_for_points(&block);
         let ends = self.auxiliary(&mut block);
         self.other_axes(&mut block);
@@ -72,6 +74,8 @@ impl Reader<'_, '_, '_> {
             {
                 self.arc(block, clockwise, inverse_feed);
             }
+            Motion::ThroughPoint if block.has_axis() => self.through_point(block, inverse_feed),
+            Motion::Tangent if block.has_axis() => self.tangent(block, inverse_feed),
             Motion::FanucNurbs | Motion::LinuxCncNurbs | Motion::Bspline => self.spline_block(block, is_new),
             Motion::Cubic | Motion::Quadratic => self.bezier(block, continues),
             Motion::Cycle(cycle) if block.has_axis() => self.drill(block, cycle),

@@ -52,10 +52,12 @@ impl Reader<'_, '_, '_> {
             return Ok(moves(word.value).then_some(Motion::Unread));
         }
         let text = self.report.source.slice(word.span);
-        let message = if matches!(code(word.value), Some(410..=429)) {
-            format!("cutter compensation, `{text}`, is not read")
-        } else {
-            format!("`{text}` is not read")
+        let message = match code(word.value) {
+            Some(410..=429) => format!("cutter compensation, `{text}`, is not read"),
+            Some(870) => {
+                format!("`{text}` bores from behind, with a shift that the machine directs: it is not read")
+            }
+            _ => format!("`{text}` is not read"),
         };
         self.report
             .of_kind(true, word.span, format!("G{}", word.value), message)

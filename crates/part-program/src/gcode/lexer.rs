@@ -140,6 +140,9 @@ impl Lexer<'_, '_, '_> {
             b'%' => {
                 self.at += 1;
                 let ended = self.begun || !self.read.words.is_empty();
+                if !ended {
+                    self.skip_name_of_program();
+                }
                 self.read.ended = ended.then_some(self.at);
                 self.begun = true;
                 (!ended).then_some(())
@@ -153,6 +156,16 @@ impl Lexer<'_, '_, '_> {
                 self.number(begin, Key::Letter(c))
             }
             _ => self.stray(begin),
+        }
+    }
+
+    /// Passes the name or the number of a program behind its `%`: `%_N_PART_MPF`, `%1234`.
+    fn skip_name_of_program(&mut self) {
+        if self.line[self.at..].starts_with("_N_") {
+            self.read.dialect = Some(Dialect::Siemens);
+        }
+        if self.peek().is_some_and(|c| c == b'_' || c.is_ascii_digit()) {
+            self.skip(|c| c.is_ascii_alphanumeric() || c == b'_');
         }
     }
 

@@ -21,6 +21,10 @@ pub(crate) enum Motion {
     Line,
     /// G2, G3.
     Arc { clockwise: bool },
+    /// CIP.
+    ThroughPoint,
+    /// CT.
+    Tangent,
     /// G06.2.
     FanucNurbs,
     /// G5.
@@ -47,6 +51,11 @@ impl Motion {
         matches!(self, Self::FanucNurbs | Self::Cubic | Self::Quadratic | Self::LinuxCncNurbs | Self::Bspline)
     }
 
+    /// Its curve, in messages.
+    pub(crate) fn kind(self) -> &'static str {
+        if self.is_spline() { "spline" } else { "curve" }
+    }
+
     /// Its name in messages.
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -55,6 +64,8 @@ impl Motion {
             Self::Line => "G1",
             Self::Arc { clockwise: true } => "G2",
             Self::Arc { clockwise: false } => "G3",
+            Self::ThroughPoint => "CIP",
+            Self::Tangent => "CT",
             Self::FanucNurbs => "G06.2",
             Self::Cubic => "G5",
             Self::Quadratic => "G5.1",
@@ -71,7 +82,11 @@ impl Motion {
     pub(crate) fn may_lack(self, key: Key) -> bool {
         match self {
             Self::Rapid | Self::Line => matches!(key, Key::Letter(b'P' | b'Q' | b'L' | b'H' | b'D')),
-            Self::Arc { .. } | Self::Cycle(_) | Self::WithSpindle { .. } => false,
+            Self::Arc { .. }
+            | Self::ThroughPoint
+            | Self::Tangent
+            | Self::Cycle(_)
+            | Self::WithSpindle { .. } => false,
             _ => true,
         }
     }
@@ -86,8 +101,9 @@ impl Motion {
         };
         match key {
             Key::Letter(letter) => b"XYZ@^".contains(&letter) || letters.contains(&letter),
-            Key::CornerRadius | Key::CornerDistance => self == Self::Line,
-            Key::CircleRadius => matches!(self, Self::Arc { .. }),
+            Key::CornerRadius | Key::CornerDistance | Key::Chamfer => self == Self::Line,
+            Key::CircleRadius | Key::Turns | Key::ArcAngle => matches!(self, Self::Arc { .. }),
+            Key::Middle(_) => self == Self::ThroughPoint,
             _ => false,
         }
     }
@@ -98,6 +114,8 @@ impl Motion {
             Self::None | Self::Unread | Self::Broken => "G, F, M, S, T, D or H",
             Self::Rapid | Self::Line => "X, Y, Z or F",
             Self::Arc { .. } => "X, Y, Z, I, J, K, R or F",
+            Self::ThroughPoint => "X, Y, Z, I1=, J1=, K1= or F",
+            Self::Tangent => "X, Y, Z or F",
             Self::FanucNurbs => "K, X, Y, Z, R, P or F",
             Self::Cubic => "X, Y, I, J, P, Q or F",
             Self::Quadratic => "X, Y, I, J or F",
@@ -140,6 +158,8 @@ pub(crate) struct Modal {
     pub(crate) feedrate_mm_per_s: Option<f64>,
     /// Feed of G95, in mm a revolution.
     pub(crate) feed_mm_per_revolution: Option<f64>,
+    /// G96: S is no number of revolutions.
+    pub(crate) keeps_cut_speed: bool,
     /// S, in revolutions a minute.
     pub(crate) spindle_per_minute: Option<f64>,
     /// The place of the tool, in mm of the part. It is unknown for an axis that was never named, and for one that was

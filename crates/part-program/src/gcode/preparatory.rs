@@ -15,8 +15,13 @@ impl Reader<'_, '_, '_> {
     /// Takes the G words. Returns the motion that the block commands, if it does; `None` if the block cannot be read.
     pub(crate) fn preparatory(&mut self, block: &mut Block<'_>) -> Option<Option<Motion>> {
         let mut motion: Option<Motion> = None;
-        let bspline = block.take(Key::Bspline).map(|word| (Motion::Bspline, word.span));
-        let mut commands = bspline.into_iter().collect::<Vec<_>>();
+        const NAMED: [(Key, Motion); 3] = [
+            (Key::Bspline, Motion::Bspline),
+            (Key::ThroughPoint, Motion::ThroughPoint),
+            (Key::Tangent, Motion::Tangent),
+        ];
+        let named = NAMED.into_iter().filter_map(|(key, motion)| Some((motion, block.take(key)?.span)));
+        let mut commands = named.collect::<Vec<_>>();
         self.block_stops = false;
         self.frame_words(block)?;
         let mut settings: Vec<(Setting, Span)> = Vec::new();
@@ -76,9 +81,7 @@ impl Reader<'_, '_, '_> {
     fn general(&mut self, block: &mut Block<'_>, word: Word) -> Result<Option<Motion>, ()> {
         let Some(tenths) = code(word.value) else { return self.unread_word(word) };
         if let Some(reason) = self.turning(block, tenths) {
-            self.report.error(word.span, format!("this is a program for a lathe: {reason}")).expected(
-                "a program for a mill: a lathe's X may be a diameter, and its feed one a revolution",
-            );
+            self.refuse_lathe(word.span, reason);
             return Err(());
         }
         if let Some(placing) = self.placing(block, word) {
@@ -105,13 +108,32 @@ impl Reader<'_, '_, '_> {
                 Some("G70 to G72 turn a contour")
             }
             70 if self.options.dialect != Some(Dialect::Fanuc) => Some("G7 makes X a diameter"),
-            960 => Some("G96 keeps the speed of the cut"),
             500 if block.has(b'S') => Some("G50 with S limits the speed of the spindle"),
             700..=723 if has_contour || block.has(b'D') => Some("G70 to G72 turn a contour"),
             700..=723 if !tenths.is_multiple_of(10) => Some("G70 to G72 turn a contour"),
             760 if block.has(b'P') && !block.has(b'X') && !block.has(b'Y') => Some("G76 cuts a thread"),
             _ => None,
         }
+    }
+
+    /// Says that a program is for a lathe, and nothing else of it.
+    pub(crate) fn refuse_lathe(&mut self, span: Span, reason: &str) {
+        self.report.forget_errors();
+        self.report
+            .error(span, format!("this is a program for a lathe: {reason}"))
+            .expected("a program for a mill: a lathe's X may be a diameter, and its feed one a revolution");
+        self.ended = true;
+    }
+
+    /// G96: S is the speed of the cut, and the spindle's follows from where X is.
+    fn keeps_cut_speed(&mut self, span: Span) {
+        self.modal.keeps_cut_speed = true;
+        self.modal.spindle_per_minute = None;
+        self.cut_speed_from.get_or_insert(span);
+        let message = "the speed of the cut is kept, G96: that of the spindle is not known";
+        self.report
+            .of_kind(false, span, "G96", message)
+            .hint("a feed per revolution, G95, is not known there");
     }
 
     /// The motion that a word commands.
@@ -124,7 +146,12 @@ impl Reader<'_, '_, '_> {
             30 => Motion::Arc { clockwise: false },
             62 => Motion::FanucNurbs,
             50 if spline_words => Motion::Cubic,
-            51 if b"IJK".iter().any(|letter| block.has(*letter)) || block.has_axis() => Motion::Quadratic,
+            // FANUC's G05.1 has a Q, and may name the axes that it smooths.
+            51 if !block.has(b'Q')
+                && (b"IJK".iter().any(|letter| block.has(*letter)) || block.has_axis()) =>
+            {
+                Motion::Quadratic
+            }
             52 => Motion::LinuxCncNurbs,
             330 => Motion::WithSpindle { comes_back: false },
             331 if self.may_be(&[Dialect::LinuxCnc]) => Motion::WithSpindle { comes_back: true },
@@ -136,7 +163,11 @@ impl Reader<'_, '_, '_> {
     fn mode(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> Result<bool, ()> {
         match tenths {
             50 => self.high_precision(block, word)?,
-            51 if block.has(b'Q') => drop(block.take_letter(b'Q')),
+            51 if block.has(b'Q') => {
+                for letter in *b"QRXYZ" {
+                    block.take_letter(letter);
+                }
+            }
             53 => self.end_of_linuxcnc_nurbs(word.span),
             80 if block.has(b'P') => drop(block.take_letter(b'P')),
             170 => self.modal.plane = Plane::Xy,
@@ -161,6 +192,11 @@ impl Reader<'_, '_, '_> {
             901 => self.modal.absolute_centres = true,
             911 => self.modal.absolute_centres = false,
             921..=923 => self.change_shift(tenths),
+            960 => {
+                block.take_letter(b'D');
+                self.keeps_cut_speed(word.span);
+            }
+            970 => self.modal.keeps_cut_speed = false,
             930 => self.modal.feed_mode = FeedMode::InverseTime,
             940 => self.modal.feed_mode = FeedMode::PerMinute,
             950 => self.modal.feed_mode = FeedMode::PerRevolution,
@@ -281,7 +317,7 @@ impl Reader<'_, '_, '_> {
                 }
                 true
             }
-            400 | 490 | 690 | 970 | 430 => true,
+            400 | 490 | 690 | 430 => true,
             // A printer measures its bed; FANUC's G29 has axes.
             290 if self.others.is_printer || self.options.dialect.is_none() && !block.has_axis() => {
                 block.clear();
@@ -335,7 +371,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Checks that a spline is of the program's dialect.
+    /// Checks that a curve is of the program's dialect.
     fn belongs(&mut self, block: &Block<'_>, motion: Motion, span: Span) -> Option<()> {
         let own = match motion {
             Motion::FanucNurbs if block.has(b'Q') || self.options.dialect == Some(Dialect::LinuxCnc) => {
@@ -343,7 +379,7 @@ impl Reader<'_, '_, '_> {
             }
             Motion::FanucNurbs => Dialect::Fanuc,
             Motion::Cubic | Motion::Quadratic | Motion::LinuxCncNurbs => Dialect::LinuxCnc,
-            Motion::Bspline => Dialect::Siemens,
+            Motion::Bspline | Motion::ThroughPoint | Motion::Tangent => Dialect::Siemens,
             _ => return Some(()),
         };
         if own == Dialect::LinuxCnc && self.options.dialect.is_none() && self.is_unsure_of_stops {
@@ -357,8 +393,11 @@ impl Reader<'_, '_, '_> {
         }
         let text = self.report.source.slice(span).to_owned();
         self.report
-            .error(span, format!("`{text}` is a spline of {own}, and the program is read as {dialect}"))
-            .expected(format!("splines of {dialect} only"));
+            .error(
+                span,
+                format!("`{text}` is a {} of {own}, and the program is read as {dialect}", motion.kind()),
+            )
+            .expected(format!("words of {dialect} only"));
         self.modal.motion = Motion::Broken;
         None
     }

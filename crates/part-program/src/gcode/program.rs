@@ -19,6 +19,9 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         corner.say_unmet(reader.report);
     }
     reader.report.within = None;
+    if let Some(span) = reader.cut_speed_from.filter(|_| !reader.names_y) {
+        reader.refuse_lathe(span, "G96 keeps the speed of the cut, and nothing moves on Y");
+    }
     reader.close(Span::new(length, length));
     reader.part.unit_is_assumed = !reader.names_unit && options.unit.is_none();
     part.feedrate_mm_per_s = part.highest_feedrate();

@@ -68,6 +68,9 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) unread_frame: Option<Frame>,
     /// A G word of the block that is skipped.
     pub(crate) unread: Option<Span>,
+    /// The first G96. On a lathe, whose programs never name Y, it means that X is a diameter.
+    pub(crate) cut_speed_from: Option<Span>,
+    pub(crate) names_y: bool,
     /// Letters of the block that have no number.
     pub(crate) flags: Vec<u8>,
     /// G9: this block alone ends at rest.
@@ -114,6 +117,8 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             unread_name: None,
             unread_frame: None,
             unread: None,
+            cut_speed_from: None,
+            names_y: false,
             flags: Vec::new(),
             block_stops: false,
             is_unsure_of_stops: false,

@@ -651,6 +651,33 @@ const JSON: &str = r#"{"shape": {"type": "curve", "count": 1, "data": [{"type": 
  "degree": 2, "knotvector": [0, 0, 0, 0.5, 1, 1, 1], "delta": 0.01,
  "control_points": {"points": [[0, 0], [1, 2.5], [3, 1], [4, 0]], "weights": [1, 2, 0.5, 1]}}]}}"#;
 
+/// geomdl draws a curve from the knot p to the knot n + 1, whatever the others: as a SPLINE of a drawing is drawn.
+#[test]
+fn knots_of_json_need_not_be_clamped() {
+    let json = |knots: &str, points: &str| {
+        format!(
+            r#"{{"shape": {{"type": "curve", "data": [{{"degree": 2, "knotvector": [{knots}], "control_points": {{"points": [{points}]}}}}]}}}}"#
+        )
+    };
+    let spline = |knots: &str, points: &str| {
+        let knots: String = knots.split(", ").map(|knot| format!("40 {knot} ")).collect();
+        let points = points.replace("], [", " 10 ").replace(['[', ']'], "").replace(", ", " 20 ");
+        drawing(4, &format!("0 SPLINE 8 0 70 0 71 2 {knots} 10 {points}"))
+    };
+    let square = "[0, 0], [4, 0], [4, 4], [0, 4], [0, 0], [4, 0]";
+    for (knots, points) in [
+        ("0, 1, 2, 3, 4, 5, 6, 7, 8", square),
+        ("0, 0, 0, 1, 2, 3, 4, 5, 6", square),
+        ("-2, -1, 0, 1, 2, 3, 3, 3, 3", square),
+        ("0, 0, 0, 2, 2, 2, 4, 4, 4", square),
+    ] {
+        let (read, drawn) = (part(&json(knots, points)), part(&spline(knots, points)));
+        assert_eq!(read.curves, drawn.curves, "{knots}");
+    }
+    let flat = refusal(&json("0, 1, 1, 1, 2", "[0, 0], [1, 1]"));
+    assert!(flat.contains("curve 0"), "{flat}");
+}
+
 #[test]
 fn json_as_geomdl_exports_it() {
     let curve = part(JSON).curves.remove(0);

@@ -17,3 +17,4 @@ mod moves;
 mod readers;
 mod round_trips;
 mod rounding;
+mod siemens_words;

@@ -206,3 +206,93 @@ fn siemens_g58_with_axes_is_no_move() {
     let part = read(text, ReadOptions { lenient: true, ..on(Dialect::Siemens) });
     near(inspect(&part).length_mm, 5.0, text);
 }
+
+/// FANUC 15i, B-63324EN/03, section 4.17: the first block may have no point, which is where the tool is, and no knot, which is the second's.
+#[test]
+fn the_first_block_of_a_nurbs_may_lack_its_point_and_its_knot() {
+    let rest = "K0. X20. Y20. R1.\nK0. X30. Y0.\nK0. X40. Y10.\nK1.\nK1.\nK1.\nK1.\nG01 X50.\n";
+    let head = "G21 G90 G17\nG00 X10. Y10. Z0.\nG01 X10. Y10. F1000.\n";
+    let whole = read(&format!("{head}G06.2 P4 K0. X10. Y10. R1. F1000.\n{rest}"), ReadOptions::default());
+    for first in ["G06.2 P4 F1000.", "G06.2 P4 K0.", "G06.2 P4 X10. Y10.", "G06.2"] {
+        assert_eq!(
+            read(&format!("{head}{first}\n{rest}"), ReadOptions::default()).curves,
+            whole.curves,
+            "{first}"
+        );
+    }
+    let second = rest.replacen("K0. X20.", "X20.", 1);
+    let errors =
+        read_part_with("p", &format!("{head}G06.2 P4\n{second}"), ReadOptions::default()).unwrap_err();
+    assert!(errors.to_string().contains("PS1002"), "{errors}");
+}
+
+/// An arc that has R beside I and J: FANUC takes R.
+#[test]
+fn r_wins_on_fanuc() {
+    let text = "G21 G90 G17\nG0 X0 Y0 Z0\nG02 X20. Y0. I10. J0. R15. F600.\n";
+    near(inspect(&read(text, on(Dialect::Fanuc))).length_mm, 30.0 * (10.0_f64 / 15.0).asin(), text);
+    for dialect in [None, Some(Dialect::LinuxCnc)] {
+        let options = ReadOptions { dialect, ..ReadOptions::default() };
+        assert!(
+            read_part_with("p", text, options).unwrap_err().to_string().contains("both centre and radius")
+        );
+    }
+}
+
+#[test]
+fn levels_of_precision_of_fanuc_are_no_path() {
+    for words in ["G05.1 Q1 R5", "G05.1 Q1", "G05.1 Q2 X0 Y0 Z0", "G08 P1", "G05 P10000"] {
+        let text = format!("G21 G90\n{words}\nG0 X0. Y0. Z0.\nG1 X10. F1200.\nG05.1 Q0\n");
+        let part = read(&text, on(Dialect::Fanuc));
+        near(inspect(&part).length_mm, 10.0, words);
+        assert_eq!(part.warnings, [], "{words}");
+    }
+}
+
+/// A number that is computed lacks no point.
+#[test]
+fn an_expression_lacks_no_decimal_point() {
+    let text = "#1=3\nG0 X0. Y0. Z0.\nG1 X[#1*10] F300.\nG1 Y#1\nG1 X[10 + 5]\n";
+    assert_eq!(read(text, on(Dialect::Fanuc)).warnings, []);
+    let warned = read(&format!("{text}X -7\n"), on(Dialect::Fanuc));
+    assert!(warned.warnings[0].message.contains("`X -7`"), "{:?}", warned.warnings);
+}
+
+/// rs274 drops white space outside of comments before it reads a line.
+#[test]
+fn linuxcnc_reads_numbers_with_spaces() {
+    let text = "G2 1 G9 0 F 6 0 0\nG0 X0 Y0 Z0\nG1 X 1 0 . 5 Y+0. 12 34 (a 1)\nG 1 X [1 0 + 1 0 ] \n#1 = 2 0\nX#1\nX- 1 ; 5\n";
+    let part = read(text, on(Dialect::LinuxCnc));
+    let ends: Vec<_> = part.curves.iter().map(|curve| curve.control_points_mm()[1]).collect();
+    assert_eq!(ends, [[10.5, 0.1234, 0.0], [20.0, 0.1234, 0.0], [-1.0, 0.1234, 0.0]]);
+    assert_eq!(feeds(&part), [10.0; 3]);
+    let errors = read_part_with("p", "G0 X5 12\n", ReadOptions::default()).unwrap_err();
+    assert!(errors.to_string().contains("the number `12` has no letter"), "{errors}");
+}
+
+/// RS274/NGC, 3.5.16: a cycle in inverse time feed is an error. What is not read has its own word.
+#[test]
+fn what_is_not_read_is_refused_with_the_right_word() {
+    for (text, why) in [
+        ("G93 G0 X0 Y0 Z5\nG81 X10 Y0 Z-5 R1 F6\nX20 F6\nG80 G94\n", "a drilling cycle in inverse time feed"),
+        ("G0 X0 Y0 Z20\nG98 G87 X30 Y0 Z-5 R-20 I2 J0 K3\nG80\n", "`G87` bores from behind"),
+        ("G0 X5 U1 A2 Q7\nG1 X9 ~\nG50 S2000\nG1 Z5 Q1\n", "this is a program for a lathe: G50 with S"),
+        (
+            "G0 X50 Z5\nG96 S200 M3\nG1 Z-20 F0.2\n",
+            "this is a program for a lathe: G96 keeps the speed of the cut",
+        ),
+    ] {
+        let errors = read_part_with("p", text, ReadOptions::default()).unwrap_err();
+        assert!(errors.count() == 1 && errors.to_string().contains(why), "{text}{errors}");
+    }
+}
+
+/// On a mill G96 says how fast the spindle turns, and the feed in G94 does not depend on it.
+#[test]
+fn the_speed_of_the_cut_is_kept_on_a_mill() {
+    let text = "G21 G96 D2500 S150\nG0 X0 Y0 Z0\nG1 X10 F600\nG95 F0.1\nG1 Y10\nG97 S600\nG1 X0\n";
+    let part = read(text, ReadOptions::default());
+    let found = feeds(&part);
+    assert!(found[0] == 10.0 && found[1].is_nan() && (found[2] - 1.0).abs() < 1e-12, "{found:?}");
+    assert!(part.warnings[0].message.contains("that of the spindle is not known"), "{:?}", part.warnings);
+}
