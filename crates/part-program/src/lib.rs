@@ -52,6 +52,7 @@ mod gcode;
 mod geomdl;
 mod inspect;
 mod joint;
+mod kinds;
 mod lean_toml;
 mod machine;
 mod moves;

@@ -31,7 +31,6 @@ mod insert;
 mod inserting;
 mod item;
 mod layout;
-mod left_out;
 mod polyline;
 mod reader;
 mod spline;

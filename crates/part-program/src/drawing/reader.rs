@@ -8,10 +8,10 @@ use super::block::{Block, Inserted};
 use super::groups::{Entities, Entity, INSERTS_LAYER};
 use super::item::Item;
 use super::layout::Layout;
-use super::left_out::LeftOut;
 use super::{conic, insert, polyline, spline};
 use crate::curve::Curve;
 use crate::diagnostic::Report;
+use crate::kinds::Kinds;
 use crate::moves::{Move, MoveKind, Shape};
 use crate::part::Part;
 use crate::source::Span;
@@ -24,9 +24,9 @@ pub(super) struct Reader<'r, 't, 'p> {
     /// The blocks inserted so far, by name.
     pub(super) blocks: HashMap<String, Rc<Block<'t>>>,
     pub(super) inserted: Inserted,
-    pub(super) left_out: LeftOut,
+    pub(super) left_out: Kinds,
     /// The number of splines whose ends the drawing leaves free.
-    pub(super) free_ends: LeftOut,
+    pub(super) free_ends: Kinds,
 }
 
 impl<'r, 't, 'p> Reader<'r, 't, 'p> {
@@ -37,8 +37,8 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             layout,
             blocks: HashMap::new(),
             inserted: Inserted::default(),
-            left_out: LeftOut::default(),
-            free_ends: LeftOut::default(),
+            left_out: Kinds::default(),
+            free_ends: Kinds::default(),
         }
     }
 

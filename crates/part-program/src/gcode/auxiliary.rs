@@ -31,7 +31,7 @@ impl Reader<'_, '_, '_> {
                     value if letter == b'M' && self.printer_word(block, value, word.span) => {}
                     value => {
                         if letter == b'M' {
-                            take_arguments(block, value);
+                            self.take_arguments(block, value);
                         }
                         if letter == b'S' {
                             self.modal.spindle_per_minute =
@@ -83,6 +83,26 @@ impl Reader<'_, '_, '_> {
         self.flow.return_to(self.report, &mut self.variables, number, span.to(word.span)).is_some()
     }
 
+    /// Takes the words that belong to an M word of LinuxCNC, or to one that turns the spindle to an angle.
+    fn take_arguments(&mut self, block: &mut Block<'_>, value: f64) {
+        let letters: &[u8] = match value {
+            19.0 => b"RQP",
+            29.0 => b"S",
+            50.0..=53.0 => b"P",
+            61.0 => b"Q",
+            62.0..=65.0 => b"P",
+            66.0 => b"PELQ",
+            67.0 | 68.0 => b"EQ",
+            100.0..=199.0 => b"PQ",
+            _ => &[],
+        };
+        for letter in letters {
+            if let Some(word) = block.take_letter(*letter) {
+                self.unheld.add(&format!("{} of M{value}", char::from(*letter)), word.span);
+            }
+        }
+    }
+
     fn not_in_this_file(&mut self, span: Span, what: &str) {
         let message = format!("{what} is not in this file");
         if self.options.lenient {
@@ -93,24 +113,6 @@ impl Reader<'_, '_, '_> {
                 .error(span, message)
                 .expected("its lines behind the end of the program, from O and its number to M99");
         }
-    }
-}
-
-/// Takes the words that belong to an M word of LinuxCNC, or to one that turns the spindle to an angle.
-fn take_arguments(block: &mut Block<'_>, value: f64) {
-    let letters: &[u8] = match value {
-        19.0 => b"RQP",
-        29.0 => b"S",
-        50.0..=53.0 => b"P",
-        61.0 => b"Q",
-        62.0..=65.0 => b"P",
-        66.0 => b"PELQ",
-        67.0 | 68.0 => b"EQ",
-        100.0..=199.0 => b"PQ",
-        _ => &[],
-    };
-    for letter in letters {
-        block.take_letter(*letter);
     }
 }
 

@@ -46,6 +46,7 @@ impl Reader<'_, '_, '_> {
             }
         }
         if let Some(word) = block.take_letter(b'E') {
+            self.leave_unheld(word.span, false);
             self.extrude(block, self.modal.mm(word.value), is_set, word.span);
         }
     }
@@ -100,6 +101,7 @@ impl Reader<'_, '_, '_> {
             return false;
         }
         self.others.is_printer = true;
+        self.leave_unheld(span, true);
         match value {
             82.0 => self.others.is_relative = false,
             83.0 => self.others.is_relative = true,

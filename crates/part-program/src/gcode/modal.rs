@@ -9,6 +9,9 @@ use crate::unit::INCH;
 /// Work offsets: G54 to G59, G59.1 to G59.3.
 pub(crate) const WORK_OFFSETS: usize = 9;
 
+/// The share of a coordinate that turning it may round.
+const ROUNDING: f64 = 1e-14;
+
 /// The motion in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Motion {
@@ -222,14 +225,19 @@ impl Modal {
         self.work_origins.get(usize::from(self.work_offset)).map_or(0.0, |origin| origin[axis])
     }
 
-    /// The zero of the program's coordinate of an axis, in mm of the part, if nothing is turned.
+    /// The zero of the program's coordinate of an axis, in mm of the part, if the axes of both are parallel.
     pub(crate) fn origin(&self, axis: usize) -> f64 {
-        self.work_origin(axis) + self.shift[axis] - self.base.0[axis]
+        let (base, angle) = self.base;
+        if angle == 0.0 {
+            return self.work_origin(axis) + self.shift[axis] - base[axis];
+        }
+        let off = std::array::from_fn(|axis| self.work_origin(axis) - base[axis]);
+        turned_by(-angle, off)[axis] + self.shift[axis]
     }
 
-    /// Whether the program's axes are turned against those of the part, or the part's own axes are turned.
+    /// Whether the program's axes are turned against those of the part.
     fn is_turned(&self) -> bool {
-        self.turn() != 0.0 || self.base.1 != 0.0
+        self.turn() != self.base.1
     }
 
     /// The angle by which the work offset in force turns X and Y, in rad.
@@ -273,11 +281,15 @@ impl Modal {
     pub(crate) fn target(&self, from: [f64; 3], written: [Option<f64>; 3]) -> [f64; 3] {
         if self.is_turned() && written != [None; 3] {
             let here = self.in_program(from);
-            return self.in_part(std::array::from_fn(|axis| match written[axis] {
+            let there: [f64; 3] = std::array::from_fn(|axis| match written[axis] {
                 Some(value) if self.incremental => here[axis] + self.mm(value),
                 Some(value) => self.mm(value),
                 None => here[axis],
-            }));
+            });
+            // What is turned forth and back is off by its rounding, which is no move.
+            let stays =
+                |axis: usize| (there[axis] - here[axis]).abs() <= ROUNDING * here[axis].abs().max(1.0);
+            return if (0..3).all(stays) { from } else { self.in_part(there) };
         }
         std::array::from_fn(|axis| match written[axis] {
             Some(value) if self.incremental => from[axis] + self.mm(value),

@@ -91,10 +91,13 @@ impl Reader<'_, '_, '_> {
         if let Some(motion) = self.motion_word(block, tenths) {
             return Ok(Some(motion));
         }
-        if self.mode(block, word, tenths)?
-            || self.stop_or_path_mode(block, word, tenths)
-            || self.is_aside(block, tenths)
-        {
+        if self.mode(block, word, tenths)? || self.stop_or_path_mode(block, word, tenths) {
+            return Ok(None);
+        }
+        if self.is_aside(block, tenths) {
+            if !SWITCHED_OFF.contains(&tenths) {
+                self.leave_unheld(word.span, true);
+            }
             return Ok(None);
         }
         self.unread_word(word)
@@ -128,6 +131,7 @@ impl Reader<'_, '_, '_> {
     /// G96: S is the speed of the cut, and the spindle's follows from where X is.
     fn keeps_cut_speed(&mut self, span: Span) {
         self.modal.keeps_cut_speed = true;
+        self.leave_unheld(span, true);
         self.modal.spindle_per_minute = None;
         self.cut_speed_from.get_or_insert(span);
         let message = "the speed of the cut is kept, G96: that of the spindle is not known";
@@ -299,6 +303,7 @@ impl Reader<'_, '_, '_> {
                     block.take_letter(*letter);
                 }
                 self.rest();
+                self.leave_unheld(word.span, true);
             }
             _ => return false,
         }
@@ -402,6 +407,9 @@ impl Reader<'_, '_, '_> {
         None
     }
 }
+
+/// Ten times the numbers of words that switch off what is off in a program that lacks them.
+const SWITCHED_OFF: [u16; 9] = [400, 490, 690, 131, 150, 401, 670, 500, 501];
 
 /// The setting of a modal group, of which a block has one. Words with the same effect are one setting.
 #[derive(Clone, Copy)]

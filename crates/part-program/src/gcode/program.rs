@@ -23,6 +23,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         reader.refuse_lathe(span, "G96 keeps the speed of the cut, and nothing moves on Y");
     }
     reader.close(Span::new(length, length));
+    reader.part.left_out = reader.unheld.words().map(|(_, words)| words);
     reader.part.unit_is_assumed = !reader.names_unit && options.unit.is_none();
     part.feedrate_mm_per_s = part.highest_feedrate();
     if part.curves.is_empty() && !report.has_errors() {

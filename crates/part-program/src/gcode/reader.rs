@@ -14,6 +14,7 @@ use crate::gcode::other_axes::OtherAxes;
 use crate::gcode::placing::Placing;
 use crate::gcode::spline::Spline;
 use crate::gcode::variables::Variables;
+use crate::kinds::Kinds;
 use crate::moves::{Move, MoveKind, Shape};
 use crate::options::{Dialect, ReadOptions, Unit};
 use crate::part::Part;
@@ -71,6 +72,8 @@ pub(crate) struct Reader<'r, 't, 'p> {
     /// The first G96. On a lathe, whose programs never name Y, it means that X is a diameter.
     pub(crate) cut_speed_from: Option<Span>,
     pub(crate) names_y: bool,
+    /// Words that the part does not hold.
+    pub(crate) unheld: Kinds,
     /// Letters of the block that have no number.
     pub(crate) flags: Vec<u8>,
     /// G9: this block alone ends at rest.
@@ -119,6 +122,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             unread: None,
             cut_speed_from: None,
             names_y: false,
+            unheld: Kinds::default(),
             flags: Vec::new(),
             block_stops: false,
             is_unsure_of_stops: false,
@@ -186,6 +190,13 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         self.bytes += curve.bytes() + size_of::<Move>();
         let one = Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop: false, line, block };
         self.stops.push(self.part, self.end, curve, one);
+    }
+
+    /// Counts a word that the part does not hold: by its letter, or whole.
+    pub(crate) fn leave_unheld(&mut self, span: Span, is_whole: bool) {
+        let text = self.report.source.slice(span);
+        let text = if is_whole { text } else { text.get(..1).unwrap_or("") };
+        self.unheld.add(&text.to_ascii_uppercase(), span);
     }
 
     /// The place of the block that is executed.

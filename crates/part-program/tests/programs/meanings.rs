@@ -296,3 +296,42 @@ fn the_speed_of_the_cut_is_kept_on_a_mill() {
     assert!(found[0] == 10.0 && found[1].is_nan() && (found[2] - 1.0).abs() < 1e-12, "{found:?}");
     assert!(part.warnings[0].message.contains("that of the spindle is not known"), "{:?}", part.warnings);
 }
+
+/// Turned coordinates were turned forth and back, and a move of 9e-16 mm was left of it.
+#[test]
+fn turned_coordinates_make_no_moves_of_rounding() {
+    let program = |turn: &str| {
+        format!(
+            "G21 G90 G17 F600\nG10 L2 P1 {turn}\nG54\nG0 X0 Y0 Z0\nG1 X10.3 Y7.7\nG28 X20\nG1 X30\nG1 Y12.1\n"
+        )
+    };
+    let straight = read(&program("R0"), ReadOptions::default());
+    for turn in ["R30", "R-77.7", "X3.3 Y1.1 R30"] {
+        let turned = read(&program(turn), ReadOptions::default());
+        assert_eq!(turned.moves, straight.moves, "{turn}");
+        for (one, other) in turned.curves.iter().zip(&straight.curves) {
+            let points = one.control_points_mm().iter().zip(other.control_points_mm());
+            points.for_each(|(one, other)| (0..3).for_each(|axis| near(one[axis], other[axis], turn)));
+        }
+    }
+    // Turned against the part: a move to where the tool is stays one of no length.
+    let text =
+        "G21 G90 F600\nG0 X0 Y0\nG1 X1\nG10 L2 P1 R33.3\nG1 X10.1 Y7.7\nX10.1\nY7.7\nX10.1 Y7.7\nX20.3\n";
+    let part = read(text, ReadOptions::default());
+    assert_eq!((part.curves.len(), part.standstills.as_slice()), (3, &[6, 7, 8][..]));
+}
+
+/// What a program has and its path does not hold is counted.
+#[test]
+fn words_that_the_path_does_not_hold_are_counted() {
+    for (text, left_out) in [
+        (
+            "G0 X0 Y0 Z0\nG1 X10 E1\nM106 S10\nG1 X20 E2\nM8\nm204 S500\nM220 S50\nG1 X30 E3\n",
+            Some("3 E, 1 M106, 1 M204, 1 M220"),
+        ),
+        ("G0 X0 Y0\nG4 P1\nG43 H1\nM62 P3\nG1 X1\n", Some("1 G4, 1 G43, 1 P of M62")),
+        ("G40 G49 G80 G17\nG0 X0 Y0\nM3 S100 T5\nG1 X1 F60\nM30\n", None),
+    ] {
+        assert_eq!(read(text, ReadOptions::default()).left_out.as_deref(), left_out, "{text}");
+    }
+}
