@@ -83,6 +83,7 @@ pub use curve::{
     Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT, Nurbs,
 };
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
+pub use gcode::{KnownWord, WordUse, known_words};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, Joints, TANGENT_BREAK_RAD, is_joined};
 pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};

@@ -3,6 +3,7 @@
 use crate::auxiliary::Auxiliary;
 use crate::gcode::block::Block;
 use crate::gcode::flow::Call;
+use crate::gcode::known_words::{MAct, m_act_of};
 use crate::gcode::reader::Reader;
 use crate::gcode::word::END_OF_SUBPROGRAM;
 use crate::options::Dialect;
@@ -50,8 +51,8 @@ impl Reader<'_, '_, '_> {
 
     /// Whether an M word ends the program.
     fn is_end(&self, value: f64) -> bool {
-        [2.0, 30.0, 99.0].contains(&value)
-            || value == END_OF_SUBPROGRAM && self.options.dialect == Some(Dialect::Siemens)
+        let is_of_control = value != END_OF_SUBPROGRAM || self.options.dialect == Some(Dialect::Siemens);
+        is_of_control && m_act_of(value) == Some(MAct::End)
     }
 
     /// Calls a subprogram of this file by M98 or G65.

@@ -9,6 +9,7 @@
 
 use crate::auxiliary::Auxiliary;
 use crate::gcode::block::Block;
+use crate::gcode::known_words::{MAct, m_act_of};
 use crate::gcode::modal::Motion;
 use crate::gcode::other_axes::OTHERS;
 use crate::gcode::reader::Reader;
@@ -90,14 +91,23 @@ impl Reader<'_, '_, '_> {
         }
     }
 
+    /// Whether a block of an M word has words that only a printer's has.
+    fn has_own_words(&self, block: &Block<'_>) -> bool {
+        self.options.dialect.is_none() && !block.is_empty() && !block.has_axis()
+    }
+
     /// M words of printers. Returns whether the word was executed or does not affect the path.
     pub(crate) fn printer_word(&mut self, block: &mut Block<'_>, value: f64, span: Span) -> bool {
-        let is_its_own = [82.0, 83.0, 104.0, 106.0, 107.0, 109.0, 117.0, 140.0, 190.0].contains(&value);
-        let is_setting = LIMITS.contains(&value)
-            || value == 220.0
-            || SETTINGS.contains(&value) && !block.is_empty() && !block.has_axis();
-        let may_be_its_own = is_setting && self.options.dialect.is_none();
-        if !(is_its_own || may_be_its_own || self.others.is_printer && value > 72.0) {
+        let act = m_act_of(value);
+        let is_unnamed = self.options.dialect.is_none();
+        let shows_printer = match act {
+            Some(MAct::Printer) => true,
+            Some(MAct::PrinterWaits) => [109.0, 190.0].contains(&value) || self.has_own_words(block),
+            Some(MAct::PrinterLimits | MAct::PrinterFeed) => is_unnamed,
+            Some(MAct::PrinterSetting) => self.has_own_words(block),
+            _ => false,
+        };
+        if !(shows_printer || self.others.is_printer && value > 72.0) {
             return false;
         }
         self.others.is_printer = true;
@@ -106,7 +116,7 @@ impl Reader<'_, '_, '_> {
             82.0 => self.others.is_relative = false,
             83.0 => self.others.is_relative = true,
             220.0 => self.feed_percentage(block, span),
-            _ if LIMITS.contains(&value) => {
+            _ if act == Some(MAct::PrinterLimits) => {
                 let text = self.report.source.slice(span);
                 let message = format!("`{text}` sets limits of the printer: those of the machine file hold");
                 self.report.of_kind(false, span, text, message);
@@ -115,16 +125,6 @@ impl Reader<'_, '_, '_> {
         }
         block.clear();
         // Words at which a printer waits.
-        !WAITED_FOR.contains(&value)
+        act != Some(MAct::PrinterWaits)
     }
 }
-
-/// M words that set a printer up and have words of their own: progress, motors, filament, drives, pressure.
-const SETTINGS: [f64; 24] = [
-    73.0, 84.0, 92.0, 115.0, 200.0, 206.0, 207.0, 208.0, 209.0, 221.0, 301.0, 304.0, 412.0, 413.0, 420.0,
-    486.0, 500.0, 569.0, 572.0, 593.0, 851.0, 900.0, 906.0, 907.0,
-];
-/// M words with the feeds, accelerations and jerks that a printer allows itself.
-const LIMITS: [f64; 6] = [201.0, 202.0, 203.0, 204.0, 205.0, 566.0];
-/// M words at which a printer rests: heat up, wait for the moves, park, change the filament.
-const WAITED_FOR: [f64; 6] = [84.0, 109.0, 190.0, 191.0, 400.0, 600.0];

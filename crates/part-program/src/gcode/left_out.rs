@@ -9,28 +9,14 @@
 
 use crate::curve::MAX_COORDINATE_MM;
 use crate::gcode::block::Block;
+use crate::gcode::frame::Frame;
+use crate::gcode::known_words::{Act, act_of};
 use crate::gcode::modal::Motion;
 use crate::gcode::placing::Placing;
 use crate::gcode::preparatory::code;
 use crate::gcode::reader::Reader;
 use crate::gcode::word::{Key, Word};
 use crate::source::Span;
-
-/// What ends a frame of coordinates that is not read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Frame {
-    /// Ten times the number of this G word.
-    Until(u16),
-    /// A frame of Siemens, which replaces it.
-    UntilReplaced,
-    /// Nothing: where the zero of the coordinates is cannot be told.
-    ForEver,
-}
-
-/// Ten times the numbers of the words that open a frame, and of the word that ends it: turned, scaled, mirrored, polar coordinates,
-/// those of a face, and calls of a macro at every place.
-const FRAMES: [(u16, u16); 8] =
-    [(680, 690), (682, 690), (510, 500), (511, 501), (160, 150), (121, 131), (660, 670), (661, 670)];
 
 impl Reader<'_, '_, '_> {
     /// A G word that is not read: an error; or, for a lenient reader, the words of the block that it leaves out are
@@ -46,10 +32,11 @@ impl Reader<'_, '_, '_> {
             if matches!(tenths, 580 | 590) {
                 self.open_frame(Frame::ForEver);
             }
-            if let Some((_, end)) = FRAMES.iter().find(|(open, _)| *open == tenths) {
-                self.open_frame(Frame::Until(*end));
+            let act = act_of(tenths, self.options.dialect);
+            if let Act::Frame(end) = act {
+                self.open_frame(Frame::Until(end));
             }
-            return Ok(moves(word.value).then_some(Motion::Unread));
+            return Ok((act == Act::Motion).then_some(Motion::Unread));
         }
         let text = self.report.source.slice(word.span);
         let message = match code(word.value) {
@@ -202,9 +189,4 @@ impl Reader<'_, '_, '_> {
             self.report.of_kind(false, span, "lost", message);
         }
     }
-}
-
-/// Whether a G word that is not read is a motion that stays in force: threads, probing, cycles, and other curves.
-fn moves(value: f64) -> bool {
-    code(value).is_some_and(|code| matches!(code / 10, 2 | 3 | 32..=35 | 38 | 76 | 87 | 331 | 332))
 }

@@ -7,6 +7,7 @@
 
 use crate::diagnostic::Report;
 use crate::gcode::expression::{Fault, Parser};
+use crate::gcode::known_words::{MAct, m_act_of};
 use crate::gcode::line::{Line, Tape};
 use crate::gcode::scope::Scope;
 use crate::gcode::variables::Variable;
@@ -171,7 +172,7 @@ impl Lexer<'_, '_, '_> {
 
     /// Whether the last word was M117, M118, M23 or a check of the printer's model, M862. The text behind them has no words.
     fn is_shown_text(&self) -> bool {
-        let has_text = |value: f64| [23.0, 117.0, 118.0, 862.0].contains(&value.trunc());
+        let has_text = |value: f64| value == 117.0 || m_act_of(value.trunc()) == Some(MAct::Text);
         let shows = |word: &Word| word.key == Key::Letter(b'M') && has_text(word.value);
         self.read.words.last().is_some_and(shows)
     }

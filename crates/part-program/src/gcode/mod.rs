@@ -44,7 +44,9 @@ mod expression;
 mod fanuc;
 mod feed;
 mod flow;
+mod frame;
 mod function;
+mod known_words;
 mod left_out;
 mod lexer;
 mod line;
@@ -68,5 +70,6 @@ mod spline_move;
 mod variables;
 mod word;
 
+pub use known_words::{KnownWord, WordUse, known_words};
 pub(crate) use linuxcnc::LEAST_ORDER;
 pub(crate) use program::read;

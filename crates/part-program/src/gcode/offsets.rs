@@ -22,7 +22,6 @@ use crate::gcode::preparatory::code;
 use crate::gcode::reader::Reader;
 use crate::gcode::word::Word;
 use crate::moves::MoveKind;
-use crate::options::Dialect;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
@@ -233,7 +232,7 @@ impl Reader<'_, '_, '_> {
             530 => Some(Placing::MachineCoordinates),
             100 if block.has(b'L') => Some(Placing::SetOffset),
             920 => Some(Placing::SetPosition),
-            520 if self.options.dialect != Some(Dialect::Siemens) => Some(Placing::MoveOrigin),
+            520 => Some(Placing::MoveOrigin),
             281 | 301 | 431 | 432 => Some(Placing::Ignored),
             _ => None,
         }

@@ -4,6 +4,7 @@ use crate::arc::Plane;
 use crate::exact_stops::PathMode;
 use crate::gcode::block::Block;
 use crate::gcode::cycle::Cycle;
+use crate::gcode::known_words::{Act, act_of};
 use crate::gcode::modal::{FeedMode, Motion};
 use crate::gcode::reader::Reader;
 use crate::gcode::spline::Spline;
@@ -84,6 +85,18 @@ impl Reader<'_, '_, '_> {
             self.refuse_lathe(word.span, reason);
             return Err(());
         }
+        match act_of(tenths, self.options.dialect) {
+            Act::Read | Act::Foreign => {}
+            Act::Pass(letters) => {
+                for letter in letters {
+                    block.take_letter(*letter);
+                }
+                self.leave_unheld(word.span, true);
+                return Ok(None);
+            }
+            Act::Off => return Ok(None),
+            Act::Frame(_) | Act::Motion | Act::Leave | Act::Lathe => return self.unread_word(word),
+        }
         if let Some(placing) = self.placing(block, word) {
             self.placing = Some((placing, word.span));
             return Ok(None);
@@ -91,13 +104,10 @@ impl Reader<'_, '_, '_> {
         if let Some(motion) = self.motion_word(block, tenths) {
             return Ok(Some(motion));
         }
-        if self.mode(block, word, tenths)? || self.stop_or_path_mode(block, word, tenths) {
-            return Ok(None);
-        }
-        if self.is_aside(block, tenths) {
-            if !SWITCHED_OFF.contains(&tenths) {
-                self.leave_unheld(word.span, true);
-            }
+        if self.mode(block, word, tenths)?
+            || self.stop_or_path_mode(block, word, tenths)
+            || self.is_aside(block, word, tenths)
+        {
             return Ok(None);
         }
         self.unread_word(word)
@@ -158,7 +168,7 @@ impl Reader<'_, '_, '_> {
             }
             52 => Motion::LinuxCncNurbs,
             330 => Motion::WithSpindle { comes_back: false },
-            331 if self.may_be(&[Dialect::LinuxCnc]) => Motion::WithSpindle { comes_back: true },
+            331 => Motion::WithSpindle { comes_back: true },
             _ => Motion::Cycle(Cycle::of(tenths)?),
         })
     }
@@ -173,12 +183,11 @@ impl Reader<'_, '_, '_> {
                 }
             }
             53 => self.end_of_linuxcnc_nurbs(word.span),
-            80 if block.has(b'P') => drop(block.take_letter(b'P')),
             170 => self.modal.plane = Plane::Xy,
             180 => self.modal.plane = Plane::Zx,
             190 => self.modal.plane = Plane::Yz,
             200 | 210 => self.units(tenths == 200, tenths == 200),
-            7000 | 7100 if self.may_be(&[Dialect::Siemens]) => self.units(tenths == 7000, tenths == 7000),
+            7000 | 7100 => self.units(tenths == 7000, tenths == 7000),
             // Haas drills circles of holes with these words.
             700 | 710 if !b"IJL".iter().any(|letter| block.has(*letter)) => {
                 self.units(tenths == 700, self.options.unit == Some(Unit::Inch));
@@ -208,7 +217,7 @@ impl Reader<'_, '_, '_> {
                 self.modal.motion = Motion::None;
                 self.holes.end();
             }
-            980 | 990 if self.may_be(&[Dialect::Fanuc, Dialect::LinuxCnc]) => {
+            980 | 990 => {
                 self.holes.returns_to_begin = Some(tenths == 980);
             }
             650 if block.has(b'P') => self.call_macro(block, word.span),
@@ -259,16 +268,13 @@ impl Reader<'_, '_, '_> {
     fn stop_or_path_mode(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> bool {
         let dialect = self.options.dialect;
         match tenths {
-            90 if dialect != Some(Dialect::LinuxCnc) => self.block_stops = true,
+            90 => self.block_stops = true,
             610 if dialect == Some(Dialect::LinuxCnc) => self.modal.path_mode = PathMode::ExactPath,
             610 | 611 => {
                 self.modal.path_mode = PathMode::ExactStop;
                 self.is_unsure_of_stops |= word.value == 61.0 && dialect.is_none();
             }
-            // FANUC's G60 is positioning from one side, which is not read.
-            600 if dialect == Some(Dialect::Siemens) => self.modal.path_mode = PathMode::ExactStop,
-            // The window, fine or coarse, within which a position counts as reached: the tool rests with each of them.
-            6010 | 6020 | 6030 if dialect == Some(Dialect::Siemens) => {}
+            600 => self.modal.path_mode = PathMode::ExactStop,
             640 => {
                 self.modal.path_mode = PathMode::Continuous;
                 let may_have = if self.may_be(&[Dialect::LinuxCnc]) { &b"PQ"[..] } else { &[] };
@@ -277,12 +283,11 @@ impl Reader<'_, '_, '_> {
                 }
             }
             // Rounding at the ends of blocks.
-            6410 | 6420 | 6430 | 6440 | 6450 if dialect == Some(Dialect::Siemens) => {
+            6410 | 6420 | 6430 | 6440 | 6450 => {
                 self.report.warning(word.span, "blocks are rounded: the path is taken as commanded");
                 self.modal.path_mode = PathMode::Continuous;
             }
-            // In Siemens programs these words have other meanings.
-            620 | 630 if dialect == Some(Dialect::Fanuc) => {
+            620 | 630 => {
                 self.report
                     .warning(word.span, "a cutting mode that changes feeds: they are taken as commanded");
                 self.modal.path_mode = PathMode::Continuous;
@@ -310,30 +315,22 @@ impl Reader<'_, '_, '_> {
         true
     }
 
-    /// Whether a word is a setting that does not affect the path, or switches off a function that is not read.
-    fn is_aside(&mut self, block: &mut Block<'_>, tenths: u16) -> bool {
+    /// Whether a word does not affect the path in this block.
+    fn is_aside(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> bool {
         match tenths {
-            // The coordinate setting of lathes.
-            500 => !block.has_axis(),
-            // Of Haas: how smooth the path is, and how many blocks are read ahead.
-            1030 | 1870 if self.may_be(&[Dialect::Fanuc]) => {
-                for letter in *b"PE" {
-                    block.take_letter(letter);
-                }
-                true
-            }
-            400 | 490 | 690 | 430 => true,
+            // G50 with axes is the coordinate setting of lathes.
+            500 | 501 => !block.has_axis(),
             // A printer measures its bed; FANUC's G29 has axes.
             290 if self.others.is_printer || self.options.dialect.is_none() && !block.has_axis() => {
                 block.clear();
+                self.leave_unheld(word.span, true);
                 true
             }
             // It pulls and pushes filament.
-            100 | 110 if self.others.is_printer => true,
-            80 => self.may_be(&[Dialect::LinuxCnc]),
-            131 | 150 | 230 | 250 | 401 | 670 => self.may_be(&[Dialect::Fanuc]),
-            501 => self.may_be(&[Dialect::Fanuc]) && !block.has_axis(),
-            4500 | 4510 | 5000 => self.may_be(&[Dialect::Siemens]),
+            100 | 110 if self.others.is_printer => {
+                self.leave_unheld(word.span, true);
+                true
+            }
             _ => false,
         }
     }
@@ -407,9 +404,6 @@ impl Reader<'_, '_, '_> {
         None
     }
 }
-
-/// Ten times the numbers of words that switch off what is off in a program that lacks them.
-const SWITCHED_OFF: [u16; 9] = [400, 490, 690, 131, 150, 401, 670, 500, 501];
 
 /// The setting of a modal group, of which a block has one. Words with the same effect are one setting.
 #[derive(Clone, Copy)]

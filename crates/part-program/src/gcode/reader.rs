@@ -8,7 +8,7 @@ use crate::gcode::block::Block;
 use crate::gcode::corner::Corner;
 use crate::gcode::cycle::Holes;
 use crate::gcode::flow::Flow;
-use crate::gcode::left_out::Frame;
+use crate::gcode::frame::Frame;
 use crate::gcode::modal::{Modal, WORK_OFFSETS};
 use crate::gcode::other_axes::OtherAxes;
 use crate::gcode::placing::Placing;

@@ -9,6 +9,7 @@ mod cycles;
 mod dialects;
 mod evaluation;
 mod inspection;
+mod known_words;
 mod large_files;
 mod left_out;
 mod malformed;
