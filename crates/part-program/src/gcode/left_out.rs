@@ -161,7 +161,7 @@ impl Reader<'_, '_, '_> {
 
     /// A move from a place that is not known is left out; from its end on the axes are known that it names.
     pub(crate) fn find_again(&mut self, block: &mut Block<'_>, is_new: bool) {
-        let (motion, before, span) = (self.modal.motion, self.modal.position, block.span);
+        let (motion, span) = (self.modal.motion, block.span);
         if motion.is_spline() && is_new {
             self.modal.motion = Motion::Broken;
         }
@@ -181,8 +181,9 @@ impl Reader<'_, '_, '_> {
             }
         }
         block.clear();
-        if matches!(motion, Motion::Rapid | Motion::Line) {
-            self.approach(before, span);
+        if !self.modal.is_lost() {
+            // However the axes came there: the way is one from an unknown place.
+            self.approach([None; 3], span);
         }
         if moves && (self.modal.is_lost() || !matches!(motion, Motion::Rapid | Motion::Line)) {
             let message = "left out: where the tool is is not known, since a block before it was left out";

@@ -188,7 +188,6 @@ fn lenient_reading_lists_what_it_reads_over() {
         (2, "`A5` moves an axis that is not followed while the tool cuts"),
         (3, "unknown word `FOOBAR`"),
         (4, "`G64.7` is not read"),
-        (5, "where the tool is on X before this move at feed is not known: its way there is left out"),
         (5, "left out: where the tool is is not known, since a block before it was left out"),
     ];
     assert_eq!(said, expected);
@@ -301,7 +300,7 @@ fn a_word_that_is_not_read_takes_no_modal_word_with_it() {
     assert_eq!(ends(&part), [(MoveKind::Feed, [30.0, 20.0, 0.0])]);
     assert!(part.moves.iter().all(|one| one.feedrate_mm_per_s == Some(10.0)));
     assert_eq!(part.auxiliary[0].letter, 'D');
-    let lost = "where the tool is on X before this move at feed is not known: its way there is left out";
+    let lost = "where the tool is on X, Y before this move at feed is not known: its way there is left out";
     let moves = "left out: where the tool is is not known, since a block before it was left out";
     assert_eq!(said(&part), [(2, "`G41` is not read: X10 left out of its block"), (3, moves), (4, lost)]);
     let zero = lenient("G21 G0 X5 Y5 Z9\nG28 G91 Z0\nG53 G90 G0 X1 Y1\nG20 G187 P2\nG1 X1 Y1 Z1\nX2\n");
