@@ -293,6 +293,9 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
             "what the warnings name is not in what is written: look at it before a machine runs this".into(),
         );
     }
+    if let Some(words) = &part.left_out {
+        notes.push(format!("left out: {words}"));
+    }
     if !part.standstills.is_empty() {
         notes.push(format!("{} moves that go nowhere are left out", part.standstills.len()));
     }

@@ -324,6 +324,12 @@ impl<'t> Report<'t> {
         &mut kept.list[index]
     }
 
+    /// Drops the errors: one that explains them all follows.
+    pub(crate) fn forget_errors(&mut self) {
+        self.errors = Diagnostics::default();
+        self.kinds.retain(|(is_error, _), _| !is_error);
+    }
+
     /// Said first of what is no error.
     pub(crate) fn first_warning(&self) -> Option<&Diagnostic> {
         self.warnings.list.first()

@@ -1,6 +1,7 @@
 //! Curves in JSON, in the layout that the Python library geomdl exports: `shape.data[i]` with `degree`, `knotvector` and
 //! `control_points` of `points` and, where the curve is rational, `weights`. Points are not multiplied by weights.
 //!
+//! A curve is drawn from `u_p` to `u_{n+1}`, as geomdl does: knots that are not clamped, and periodic ones, are converted.
 //! `rational`, `dimension`, `count` and `size` repeat information of the numbers and are checked against them; `delta`,
 //! `name` and similar keys are for drawing a curve; any other key is skipped with a warning.
 
@@ -10,6 +11,7 @@ use serde::de::{IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_ignored::Path;
 
+use crate::clamp::{clamped, is_of_clamping, merge_knots};
 use crate::curve::{Curve, Nurbs};
 use crate::diagnostic::{MAX_DIAGNOSTICS, Report};
 use crate::moves::{Move, MoveKind, Shape as PartShape};
@@ -145,7 +147,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
         while let Some((curve, key)) = unread.next_if(|(curve, _)| curve.is_none_or(|curve| curve <= index)) {
             read_over(report, if curve.is_some() { span } else { Span::default() }, &key);
         }
-        if let Some(curve) = curve_of(report, (index, span), data) {
+        for curve in curves_of(report, (index, span), data) {
             let (kind, shape, line) =
                 (MoveKind::Feed, PartShape::Nurbs, report.source.line_number(span.start));
             part.moves.push(Move { kind, shape, feedrate_mm_per_s: None, exact_stop: false, line, block: 0 });
@@ -168,7 +170,27 @@ fn read_over(report: &mut Report<'_>, span: Span, key: &str) {
     report.warning(span, format!("the key `{key}` is not read"));
 }
 
-fn curve_of(report: &mut Report<'_>, (index, span): (usize, Span), data: Data) -> Option<Curve> {
+/// The curves of an entry: several if it breaks at a knot, and none after an error.
+fn curves_of(report: &mut Report<'_>, (index, span): (usize, Span), data: Data) -> Vec<Curve> {
+    let Some(mut curve) = curve_of(report, (index, span), data) else { return Vec::new() };
+    let faults = curve.faults();
+    for fault in faults.iter().filter(|fault| !is_of_clamping(fault)) {
+        report.error(span, format!("curve {index}: {fault}")).expected(fault.expected());
+    }
+    if faults.is_empty() || !faults.iter().all(is_of_clamping) {
+        return vec![curve.into()];
+    }
+    merge_knots(&mut curve.knots, None);
+    let Some(curves) = clamped(curve) else {
+        report
+            .error(span, format!("curve {index}: its parameter has no range"))
+            .expected("the knot behind the last point to be greater than the one before the first span");
+        return Vec::new();
+    };
+    curves.into_iter().map(Curve::from).collect()
+}
+
+fn curve_of(report: &mut Report<'_>, (index, span): (usize, Span), data: Data) -> Option<Nurbs> {
     let dimension = data.control_points.points.first().map_or(0, |point| point.count);
     let mut points = Vec::with_capacity(data.control_points.points.len());
     for (n, point) in data.control_points.points.iter().enumerate() {
@@ -188,9 +210,5 @@ fn curve_of(report: &mut Report<'_>, (index, span): (usize, Span), data: Data) -
     }
     let weights = data.control_points.weights.unwrap_or_else(|| vec![1.0; points.len()]);
     let degree = data.degree;
-    let curve = Nurbs { degree, control_points_mm: points, dimension, weights, knots: data.knotvector };
-    for fault in curve.faults() {
-        report.error(span, format!("curve {index}: {fault}")).expected(fault.expected());
-    }
-    Some(curve.into())
+    Some(Nurbs { degree, control_points_mm: points, dimension, weights, knots: data.knotvector })
 }

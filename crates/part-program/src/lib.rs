@@ -40,16 +40,19 @@ mod bend;
 mod bezier;
 mod bounds;
 mod canon;
+mod clamp;
 mod curve;
 mod curve_file;
 mod curve_numbers;
 mod diagnostic;
 mod drawing;
+mod ellipse;
 mod exact_stops;
 mod gcode;
 mod geomdl;
 mod inspect;
 mod joint;
+mod kinds;
 mod lean_toml;
 mod machine;
 mod moves;
@@ -80,6 +83,7 @@ pub use curve::{
     Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT, Nurbs,
 };
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
+pub use gcode::{KnownWord, WordUse, known_words};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, Joints, TANGENT_BREAK_RAD, is_joined};
 pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
@@ -155,7 +159,7 @@ fn read_lines(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diag
     } else if text.trim_start().starts_with('{') {
         geomdl::read(&mut report, &mut part);
     } else if drawing::is_drawing(text) {
-        drawing::read(&mut report, &mut part);
+        drawing::read(&mut report, &mut part, options.unit);
     } else if options.dialect.is_none() && is_toml(text) {
         if let Some(file) = curve_file::read(&mut report, text) {
             (part.curves, part.moves) = file.curves.into_iter().unzip();

@@ -8,13 +8,15 @@ use std::str::FromStr;
 pub struct ReadOptions {
     /// The control that a program is for. `None`: told by its splines, its O-words, macros and variables, where it has such.
     pub dialect: Option<Dialect>,
-    /// Skip unknown words, with a warning each. A G word that is not read leaves the axes of its block out; their
-    /// places are then unknown until a move in G90 names them. After a motion that is not read, no axes are moved until
-    /// a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
+    /// Skip unknown words, with a warning each. A word that is not read leaves the axes of its block out; their places, and
+    /// behind a name or a call those of all axes, are then unknown, and nothing moves until words in G90 have named them
+    /// again. After a motion that is not read, no axes are moved until a motion that is read; in coordinates that a
+    /// word which is not read turns or scales, none is. Other G words of the block, F, M, S, T, D and H hold. What moves is so
+    /// a part of what the control moves.
     pub lenient: bool,
     /// The place of the tool when a program begins, in mm. `None`: an axis begins where it is first sent.
     pub start_mm: Option<[f64; 3]>,
-    /// The unit of a program's lengths until a word names one. `None`: millimetres, and if no word names one,
+    /// The unit of a program's lengths until a word names one, and of a drawing that names none. `None`: millimetres, and if no word names one,
     /// [`Part::assumed_unit`](crate::Part::assumed_unit) says so.
     pub unit: Option<Unit>,
 }

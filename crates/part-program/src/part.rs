@@ -23,6 +23,9 @@ pub struct Part {
     pub approaches: Vec<Approach>,
     /// Words that do not move the tool: M, S, T, D and H, and other axes, in the order of the program.
     pub auxiliary: Vec<Auxiliary>,
+    /// The words that were read and that neither the path nor its other words hold, such as a printer's E and M106: `3 E, 1 M106`.
+    /// Those that are resolved, as offsets and calls, are not among them.
+    pub left_out: Option<String>,
     /// Lines of moves at feed that end where they start, and so are not curves.
     pub standstills: Vec<usize>,
     /// The feedrate that the program commands, in mm/s; the highest, if it commands several.

@@ -141,7 +141,7 @@ fn every_error_of_a_file_is_printed() {
 #[test]
 fn dialect_and_lenience_are_options_of_every_command_that_reads_a_part() {
     let folder = Folder::new();
-    let strange = folder.file("strange.nc", "G0 X0 Y0 F6000\nCOMPCAD\nG1 X20 Q7\n");
+    let strange = folder.file("strange.nc", "G0 X0 Y0 F6000\nG1 X10\nG1 X20 Q7\nFOOBAR\n");
     let machine = data("seed-000.toml");
     for command in ["check", "compare", "plan"] {
         let run = |more: &[&str]| {

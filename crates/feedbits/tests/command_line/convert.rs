@@ -67,6 +67,17 @@ fn what_is_not_in_the_program_that_is_written_is_said() {
     }
 }
 
+/// A printer's words were once dropped in silence.
+#[test]
+fn words_that_are_left_out_are_said_by_kind_and_count() {
+    let program = "G21 G90 F600\nG0 X0 Y0 Z0\nG1 X10 E1\nM106 S10\nG1 X20 E2\nM8\nG1 X30 E3\nM2\n";
+    for to in ["g1", "g06.2", "g5.2", "toml"] {
+        let (status, written, said) = convert_text(program, &["--to", to]);
+        assert!(status == Some(0) && said.contains("left out: 3 E, 1 M106"), "{to}: {said}");
+        assert_eq!(written.contains("M8"), to != "toml", "{written}");
+    }
+}
+
 /// Paper D's program is converted to a curve file, to a program and to a curve file again: the two curve files are the
 /// same.
 #[test]

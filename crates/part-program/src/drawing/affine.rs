@@ -7,10 +7,8 @@
 //! # Source
 //! Autodesk, DXF Reference, "Arbitrary Axis Algorithm".
 
-use std::f64::consts::FRAC_PI_2;
-
 use crate::curve::Curve;
-use crate::vector::{cross, length};
+use crate::vector::{cross, sin_cos, unit};
 
 /// The map `p ↦ origin + x axes[0] + y axes[1] + z axes[2]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,23 +68,5 @@ impl Affine {
     pub(crate) fn curve(&self, mut curve: Curve) -> Curve {
         curve.move_points(|point| *point = self.point(*point));
         curve
-    }
-}
-
-/// A vector over its length; `None` if it has no direction.
-pub(crate) fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
-    let length = length(vector);
-    (length > 0.0 && length.is_finite()).then(|| vector.map(|x| x / length))
-}
-
-/// Sine and cosine of an angle in rad. For a whole number of right angles they are exact, without the rounding of π.
-pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
-    let quarters = angle / FRAC_PI_2;
-    let whole = quarters.round();
-    let (sin, cos) = angle.sin_cos();
-    if (quarters - whole).abs() <= 4.0 * f64::EPSILON * whole.abs().max(1.0) {
-        (sin.round() + 0.0, cos.round() + 0.0)
-    } else {
-        (sin, cos)
     }
 }

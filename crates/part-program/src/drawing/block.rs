@@ -13,7 +13,8 @@ const MAX_INSERTED_POINTS: usize = 400_000;
 /// The entities of a block.
 pub(crate) struct Block<'t> {
     pub(super) base: [f64; 3],
-    pub(super) items: Vec<Item<'t>>,
+    /// Its items. Those of entities on the layer of the insert have the names of these entities.
+    pub(super) items: Vec<(Item<'t>, Option<&'t str>)>,
     /// Whether its entities are in another file.
     pub(super) is_external: bool,
 }

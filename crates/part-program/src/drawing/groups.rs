@@ -69,6 +69,9 @@ pub(crate) struct Entity<'t> {
     pub(crate) vertices: Vec<Entity<'t>>,
 }
 
+/// In a block, the layer on which the block is inserted.
+pub(super) const INSERTS_LAYER: &str = "0";
+
 /// Reads entity after entity, to the end of their section or block.
 pub(crate) struct Entities<'t> {
     groups: Groups<'t>,
@@ -121,6 +124,11 @@ impl<'t> Entity<'t> {
     /// An entity without groups yet.
     pub(crate) fn new(name: &'t str, span: Span) -> Self {
         Self { name, span, groups: Vec::new(), vertices: Vec::new() }
+    }
+
+    /// The name of its layer.
+    pub(super) fn layer(&self) -> &'t str {
+        self.text(8).unwrap_or(INSERTS_LAYER)
     }
 
     /// The text of a group code that occurs once.

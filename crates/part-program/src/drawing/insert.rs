@@ -12,6 +12,7 @@ use crate::source::Span;
 #[derive(Clone, Debug)]
 pub(crate) struct Insert<'t> {
     pub(super) name: &'t str,
+    pub(super) layer: &'t str,
     /// The map from the scaled block to the drawing, without the cell.
     turn: Affine,
     scale: [f64; 3],
@@ -41,7 +42,7 @@ pub(crate) fn read<'t>(entity: &Entity<'t>, report: &mut Report<'_>) -> Option<I
     }
     let turn = Affine::turning(angle.rem_euclid(360.0).to_radians());
     let turn = plane.after(&Affine::moving(place)).after(&turn);
-    Some(Insert { name, turn, scale, counts, distances, span: entity.span })
+    Some(Insert { name, layer: entity.layer(), turn, scale, counts, distances, span: entity.span })
 }
 
 impl Insert<'_> {

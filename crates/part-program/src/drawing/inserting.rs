@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::affine::Affine;
 use super::block::Block;
-use super::groups::Entities;
+use super::groups::{Entities, INSERTS_LAYER};
 use super::insert::Insert;
 use super::reader::Reader;
 
@@ -15,8 +15,8 @@ const MAX_DEPTH: usize = 32;
 const EXTERNAL: u32 = 4;
 
 impl<'t> Reader<'_, 't, '_> {
-    /// Draws a block where it is inserted.
-    pub(crate) fn insert(&mut self, insert: &Insert<'t>, map: &Affine) {
+    /// Draws a block where it is inserted; `outer_is_off` says whether the layer is off that layer 0 stands for there.
+    pub(crate) fn insert(&mut self, insert: &Insert<'t>, map: &Affine, outer_is_off: bool) {
         let name = insert.name.to_lowercase();
         if self.inserted.is_full || !self.may_open(&name, insert) {
             return;
@@ -30,16 +30,20 @@ impl<'t> Reader<'_, 't, '_> {
             return;
         }
         self.inserted.open.push(name);
+        let is_off = if insert.layer == INSERTS_LAYER { outer_is_off } else { self.is_off(insert.layer) };
         'cells: for cell in insert.maps(block.base) {
             let cell = map.after(&cell);
             if !self.inserted.take(0, insert.span, self.report) {
                 break;
             }
-            for item in &block.items {
+            for (item, on_inserts_layer) in &block.items {
                 if !self.inserted.take(item.point_count(), insert.span, self.report) {
                     break 'cells;
                 }
-                self.draw(item.clone(), &cell);
+                match on_inserts_layer.filter(|_| is_off) {
+                    Some(name) => self.left_out.add(&format!("hidden {name}"), insert.span),
+                    None => self.draw(item.clone(), &cell, is_off),
+                }
             }
         }
         self.inserted.open.pop();
@@ -72,9 +76,12 @@ impl<'t> Reader<'_, 't, '_> {
         let header = entities.next()?;
         let base = if header.text(10).is_some() { header.point(self.report, 10, "base point") } else { None };
         let is_external = header.flags(self.report, 70) & EXTERNAL != 0;
-        let mut items = Vec::new();
+        let (mut items, mut of_entity) = (Vec::new(), Vec::new());
         for entity in entities {
-            self.read_entity(&entity, true, &mut items);
+            let name = entity.name;
+            let follows = (entity.layer() == INSERTS_LAYER && name != "INSERT").then_some(name);
+            self.read_entity(&entity, true, &mut of_entity);
+            items.extend(of_entity.drain(..).map(|item| (item, follows)));
         }
         let block = Rc::new(Block { base: base.unwrap_or_default(), items, is_external });
         self.blocks.insert(name.to_owned(), Rc::clone(&block));

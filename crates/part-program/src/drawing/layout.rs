@@ -9,8 +9,10 @@ use crate::source::Span;
 /// Places in a drawing. Names are in lower case, since a drawing's names have no case.
 #[derive(Default)]
 pub(crate) struct Layout {
-    /// Layers that are frozen or off.
-    pub(crate) hidden_layers: HashSet<String>,
+    /// Layers that are frozen: nothing on them is seen, and no block that is inserted there.
+    pub(super) frozen_layers: HashSet<String>,
+    /// Layers that are off: a block that is inserted there is seen where its entities are on other layers.
+    pub(super) off_layers: HashSet<String>,
     /// By name, the byte at which a block's entity BLOCK begins.
     pub(crate) blocks: HashMap<String, usize>,
     /// The bytes at which the first entities of sections ENTITIES begin.
@@ -64,10 +66,11 @@ impl Layout {
             self.blocks.entry(name).or_insert(start);
             return;
         }
-        let is_frozen = number(70).is_some_and(|flags| flags & 1 == 1);
-        let is_off = number(62).is_some_and(|colour| colour < 0);
-        if is_frozen || is_off {
-            self.hidden_layers.insert(name);
+        if number(70).is_some_and(|flags| flags & 1 == 1) {
+            self.frozen_layers.insert(name.clone());
+        }
+        if number(62).is_some_and(|colour| colour < 0) {
+            self.off_layers.insert(name);
         }
     }
 }

@@ -15,7 +15,8 @@
 //! and a spline that breaks becomes several curves.
 //!
 //! Entities on paper (67), invisible ones (60), those on a layer that is frozen (70, bit 1) or off (62 below 0), and
-//! all other kinds are left out. One warning counts them by kind.
+//! all other kinds are left out. One warning counts them by kind. A block that is inserted on a layer that is off shows
+//! its entities of other layers; on one that is frozen it shows nothing.
 //!
 //! # Source
 //! Autodesk, DXF Reference, chapters "ENTITIES section" and "Object coordinate systems".
@@ -23,7 +24,6 @@
 mod affine;
 pub(crate) mod binary;
 mod block;
-mod clamp;
 mod conic;
 mod fit;
 mod groups;
@@ -31,12 +31,12 @@ mod insert;
 mod inserting;
 mod item;
 mod layout;
-mod left_out;
 mod polyline;
 mod reader;
 mod spline;
 
 use crate::diagnostic::Report;
+use crate::options::Unit;
 use crate::part::Part;
 use crate::source::Span;
 use crate::unit::INCH;
@@ -57,8 +57,8 @@ pub(crate) fn is_drawing(text: &str) -> bool {
 }
 
 /// Reads a drawing into `part`.
-pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
-    let unit = unit(report);
+pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, given: Option<Unit>) {
+    let unit = unit(report, given);
     let layout = Layout::read(report);
     let mut reader = Reader::new(report, part, layout);
     reader.entities(&Affine::scaling([unit; 3]));
@@ -81,8 +81,33 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
     }
 }
 
-/// Millimetres of the drawing's unit; 1 after an error was reported.
-fn unit(report: &mut Report<'_>) -> f64 {
+/// Units of $INSUNITS, in mm, from 1 on; those that the reference names, up to the decimetre, the hectometre and the feet of surveyors.
+const UNITS_MM: [(&str, f64); 20] = [
+    ("1", INCH),
+    ("2", 12.0 * INCH),
+    ("3", 63_360.0 * INCH),
+    ("4", 1.0),
+    ("5", 10.0),
+    ("6", 1000.0),
+    ("7", 1e6),
+    ("8", 1e-6 * INCH),
+    ("9", 1e-3 * INCH),
+    ("10", 36.0 * INCH),
+    ("11", 1e-7),
+    ("12", 1e-6),
+    ("13", 1e-3),
+    ("14", 100.0),
+    ("15", 1e4),
+    ("16", 1e5),
+    // An inch of surveyors is 100/3937 m.
+    ("21", 12.0e5 / 3937.0),
+    ("22", 1e5 / 3937.0),
+    ("23", 36.0e5 / 3937.0),
+    ("24", 63_360.0e5 / 3937.0),
+];
+
+/// Millimetres of the drawing's unit; 1 after an error was reported. If the drawing names none, it is the given one.
+fn unit(report: &mut Report<'_>, given: Option<Unit>) -> f64 {
     let mut groups = Groups::new(report.source.text, 0);
     while let Some(group) = groups.next(None) {
         if (group.code, group.text) == (0, "ENDSEC") {
@@ -92,25 +117,25 @@ fn unit(report: &mut Report<'_>) -> f64 {
             continue;
         }
         let Some(value) = groups.next(None) else { break };
-        return match value.text {
-            "1" => INCH,
-            "2" => 12.0 * INCH,
-            "4" => 1.0,
-            "5" => 10.0,
-            "6" => 1000.0,
-            "0" => no_unit(report, value.span),
-            other => {
-                report
-                    .error(value.span, format!("the drawing is in the unit {other}"))
-                    .expected("1 inches, 2 feet, 4 millimetres, 5 centimetres or 6 metres");
-                1.0
-            }
-        };
+        if value.text == "0" {
+            return no_unit(report, value.span, given);
+        }
+        let named = UNITS_MM.iter().find(|(number, _)| *number == value.text);
+        if named.is_none() {
+            report
+                .error(value.span, format!("the drawing is in the unit {}", value.text))
+                .expected("a unit of $INSUNITS from 1 to 16, or 21 to 24: 1 inches, 4 millimetres");
+        }
+        return named.map_or(1.0, |(_, mm)| *mm);
     }
-    no_unit(report, Span::default())
+    no_unit(report, Span::default(), given)
 }
 
-fn no_unit(report: &mut Report<'_>, span: Span) -> f64 {
-    report.warning(span, "the drawing names no unit: its numbers are taken as millimetres");
-    1.0
+fn no_unit(report: &mut Report<'_>, span: Span, given: Option<Unit>) -> f64 {
+    if given.is_none() {
+        report
+            .warning(span, "the drawing names no unit: its numbers are taken as millimetres")
+            .hint("`--units mm` or `--units inch` says what they are");
+    }
+    if given == Some(Unit::Inch) { INCH } else { 1.0 }
 }

@@ -1,17 +1,17 @@
 //! Reads the entities of a drawing, and adds their curves to the part.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use super::affine::Affine;
 use super::block::{Block, Inserted};
-use super::groups::{Entities, Entity};
+use super::groups::{Entities, Entity, INSERTS_LAYER};
 use super::item::Item;
 use super::layout::Layout;
-use super::left_out::LeftOut;
 use super::{conic, insert, polyline, spline};
 use crate::curve::Curve;
 use crate::diagnostic::Report;
+use crate::kinds::Kinds;
 use crate::moves::{Move, MoveKind, Shape};
 use crate::part::Part;
 use crate::source::Span;
@@ -24,9 +24,9 @@ pub(super) struct Reader<'r, 't, 'p> {
     /// The blocks inserted so far, by name.
     pub(super) blocks: HashMap<String, Rc<Block<'t>>>,
     pub(super) inserted: Inserted,
-    pub(super) left_out: LeftOut,
+    pub(super) left_out: Kinds,
     /// The number of splines whose ends the drawing leaves free.
-    pub(super) free_ends: LeftOut,
+    pub(super) free_ends: Kinds,
 }
 
 impl<'r, 't, 'p> Reader<'r, 't, 'p> {
@@ -37,19 +37,20 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             layout,
             blocks: HashMap::new(),
             inserted: Inserted::default(),
-            left_out: LeftOut::default(),
-            free_ends: LeftOut::default(),
+            left_out: Kinds::default(),
+            free_ends: Kinds::default(),
         }
     }
 
     /// Draws the entities that are not in a block.
     pub(super) fn entities(&mut self, map: &Affine) {
         let mut items = Vec::new();
+        let is_off = self.is_off(INSERTS_LAYER);
         for start in std::mem::take(&mut self.layout.entities) {
             for entity in Entities::new(self.report.source.text, start) {
                 self.read_entity(&entity, false, &mut items);
                 for item in items.drain(..) {
-                    self.draw(item, map);
+                    self.draw(item, map, is_off);
                 }
             }
         }
@@ -86,16 +87,25 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Whether an entity is invisible, or its layer is. In a block, layer 0 means the layer on which the block is
-    /// inserted.
+    /// Whether an entity is invisible, or its layer is. Of an INSERT on a layer that is off the block decides, and in a
+    /// block layer 0 means the layer on which the block is inserted.
     fn is_hidden(&self, entity: &Entity<'t>, in_block: bool) -> bool {
-        let layer = entity.text(8).filter(|layer| !in_block || *layer != "0");
-        layer.is_some_and(|layer| self.layout.hidden_layers.contains(&layer.to_lowercase()))
+        let layer = entity.layer();
+        let is_on_its_own = !(in_block && layer == INSERTS_LAYER);
+        let is_in = |layers: &HashSet<String>| is_on_its_own && layers.contains(&layer.to_lowercase());
+        is_in(&self.layout.frozen_layers)
+            || entity.name != "INSERT" && is_in(&self.layout.off_layers)
             || entity.text(60) == Some("1")
     }
 
-    /// Maps an item to the drawing's axes, in mm, and adds it to the part.
-    pub(super) fn draw(&mut self, item: Item<'t>, map: &Affine) {
+    /// Whether a layer is off.
+    pub(super) fn is_off(&self, layer: &str) -> bool {
+        self.layout.off_layers.contains(&layer.to_lowercase())
+    }
+
+    /// Maps an item to the drawing's axes, in mm, and adds it to the part; `is_off` says whether the layer is off that
+    /// layer 0 stands for.
+    pub(super) fn draw(&mut self, item: Item<'t>, map: &Affine, is_off: bool) {
         match item {
             Item::Curve { curve, shape, span } => {
                 let (curve, shape) = conic::mapped(map, curve, shape);
@@ -106,7 +116,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
                 }
             }
             Item::Standstill(span) => self.stand_still(span),
-            Item::Insert(insert) => self.insert(&insert, map),
+            Item::Insert(insert) => self.insert(&insert, map, is_off),
         }
     }
 

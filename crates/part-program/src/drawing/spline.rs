@@ -1,16 +1,15 @@
 //! SPLINE, by control points or by the points it passes through.
 
-use super::affine::unit;
-use super::clamp::{clamped, merge_knots};
 use super::fit::{Ends, through};
 use super::groups::Entity;
 use super::item::Item;
+use crate::clamp::{clamped, is_of_clamping, merge_knots};
 use crate::curve::{Curve, CurveFault, Nurbs};
 use crate::diagnostic::Report;
 use crate::moves::Shape;
 use crate::source::Span;
 use crate::spline_blocks::SplineBlocks;
-use crate::vector::{difference, length};
+use crate::vector::{difference, length, unit};
 
 /// A share of the extent of the points. A point closer than this to the one before counts as the same point.
 const SAME_POINT: f64 = 1e-12;
@@ -64,15 +63,10 @@ fn by_control_points(
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "255 is no degree either")]
     let degree = if degree.fract() == 0.0 { degree.clamp(0.0, 255.0) as usize } else { 0 };
     let named = |fault: &CurveFault| matches!(fault, CurveFault::DegreeOutOfRange { .. }).then_some("SPLINE");
+    // Coordinates are checked where the curve is drawn.
     blocks.finish_except(degree, report, named, |fault| {
-        matches!(
-            fault,
-            // Coordinates are checked where the curve is drawn.
-            CurveFault::CoordinateOutOfRange { .. }
-                | CurveFault::NotClamped { .. }
-                | CurveFault::KnotRepeatsTooOften { .. }
-                | CurveFault::NoLength
-        )
+        is_of_clamping(fault)
+            || matches!(fault, CurveFault::CoordinateOutOfRange { .. } | CurveFault::NoLength)
     })
 }
 

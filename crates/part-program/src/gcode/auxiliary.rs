@@ -3,7 +3,10 @@
 use crate::auxiliary::Auxiliary;
 use crate::gcode::block::Block;
 use crate::gcode::flow::Call;
+use crate::gcode::known_words::{MAct, m_act_of};
 use crate::gcode::reader::Reader;
+use crate::gcode::word::END_OF_SUBPROGRAM;
+use crate::options::Dialect;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
@@ -26,16 +29,17 @@ impl Reader<'_, '_, '_> {
                     99.0 if letter == b'M' && self.flow.is_called() => {
                         self.flow.return_from(&mut self.variables)
                     }
-                    value if letter == b'M' && self.printer_word(block, value) => {}
+                    value if letter == b'M' && self.printer_word(block, value, word.span) => {}
                     value => {
                         if letter == b'M' {
-                            take_arguments(block, value);
+                            self.take_arguments(block, value);
                         }
                         if letter == b'S' {
-                            self.modal.spindle_per_minute = Some(value).filter(|speed| *speed > 0.0);
+                            self.modal.spindle_per_minute =
+                                Some(value).filter(|speed| *speed > 0.0 && !self.modal.keeps_cut_speed);
                         }
                         let line = self.line_of(word.span);
-                        ends |= letter == b'M' && [2.0, 30.0, 99.0].contains(&value);
+                        ends |= letter == b'M' && self.is_end(value);
                         let block = self.block_number;
                         self.part.auxiliary.push(Auxiliary::new(letter, value, line, block));
                     }
@@ -43,6 +47,12 @@ impl Reader<'_, '_, '_> {
             }
         }
         ends
+    }
+
+    /// Whether an M word ends the program.
+    fn is_end(&self, value: f64) -> bool {
+        let is_of_control = value != END_OF_SUBPROGRAM || self.options.dialect == Some(Dialect::Siemens);
+        is_of_control && m_act_of(value) == Some(MAct::End)
     }
 
     /// Calls a subprogram of this file by M98 or G65.
@@ -74,33 +84,36 @@ impl Reader<'_, '_, '_> {
         self.flow.return_to(self.report, &mut self.variables, number, span.to(word.span)).is_some()
     }
 
+    /// Takes the words that belong to an M word of LinuxCNC, or to one that turns the spindle to an angle.
+    fn take_arguments(&mut self, block: &mut Block<'_>, value: f64) {
+        let letters: &[u8] = match value {
+            19.0 => b"RQP",
+            29.0 => b"S",
+            50.0..=53.0 => b"P",
+            61.0 => b"Q",
+            62.0..=65.0 => b"P",
+            66.0 => b"PELQ",
+            67.0 | 68.0 => b"EQ",
+            100.0..=199.0 => b"PQ",
+            _ => &[],
+        };
+        for letter in letters {
+            if let Some(word) = block.take_letter(*letter) {
+                self.unheld.add(&format!("{} of M{value}", char::from(*letter)), word.span);
+            }
+        }
+    }
+
     fn not_in_this_file(&mut self, span: Span, what: &str) {
         let message = format!("{what} is not in this file");
         if self.options.lenient {
             self.report.warning(span, format!("{message}: its moves are left out"));
+            self.lose_track_of_all();
         } else {
             self.report
                 .error(span, message)
                 .expected("its lines behind the end of the program, from O and its number to M99");
         }
-    }
-}
-
-/// Takes the words that belong to an M word of LinuxCNC, or to one that turns the spindle to an angle.
-fn take_arguments(block: &mut Block<'_>, value: f64) {
-    let letters: &[u8] = match value {
-        19.0 => b"RQP",
-        29.0 => b"S",
-        50.0..=53.0 => b"P",
-        61.0 => b"Q",
-        62.0..=65.0 => b"P",
-        66.0 => b"PELQ",
-        67.0 | 68.0 => b"EQ",
-        100.0..=199.0 => b"PQ",
-        _ => &[],
-    };
-    for letter in letters {
-        block.take_letter(*letter);
     }
 }
 

@@ -9,10 +9,13 @@
 
 use crate::auxiliary::Auxiliary;
 use crate::gcode::block::Block;
+use crate::gcode::known_words::{MAct, m_act_of};
 use crate::gcode::modal::Motion;
 use crate::gcode::other_axes::OTHERS;
 use crate::gcode::reader::Reader;
+use crate::gcode::word::{Count, Key};
 use crate::part::Filament;
+use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
     /// Takes the words of the other axes.
@@ -44,12 +47,36 @@ impl Reader<'_, '_, '_> {
             }
         }
         if let Some(word) = block.take_letter(b'E') {
+            self.leave_unheld(word.span, false);
             self.extrude(block, self.modal.mm(word.value), is_set, word.span);
         }
     }
 
+    /// Makes numbers that say where they count from, AC() and IC(), count as G90 or G91 wants those of the block, or as
+    /// centres count. Where the tool is not known, a number that counts from there is dropped.
+    pub(crate) fn count_as_ordered(&mut self, block: &mut Block<'_>) {
+        let modal = &self.modal;
+        let moves_on = |letter: u8| match letter {
+            b'X' | b'Y' | b'Z' => Some((usize::from(letter - b'X'), modal.incremental)),
+            b'I' | b'J' | b'K' => Some((usize::from(letter - b'I'), !modal.absolute_centres)),
+            _ => None,
+        };
+        block.change(|word| {
+            let (Some(count), Key::Letter(letter)) = (word.count, word.key) else { return true };
+            let Some((axis, is_incremental)) = moves_on(letter) else { return true };
+            let here = modal.programmed(axis);
+            match count {
+                Count::Incremental if modal.lost[axis] => return false,
+                Count::Incremental if !is_incremental => word.value += here,
+                Count::Absolute if is_incremental => word.value -= here,
+                _ => {}
+            }
+            true
+        });
+    }
+
     /// E: the length of filament in this block.
-    fn extrude(&mut self, block: &Block<'_>, value: f64, is_set: bool, span: crate::source::Span) {
+    fn extrude(&mut self, block: &Block<'_>, value: f64, is_set: bool, span: Span) {
         self.others.is_printer = true;
         let before = self.others.extruder_mm;
         let is_relative = self.others.is_relative && !is_set;
@@ -64,23 +91,40 @@ impl Reader<'_, '_, '_> {
         }
     }
 
+    /// Whether a block of an M word has words that only a printer's has.
+    fn has_own_words(&self, block: &Block<'_>) -> bool {
+        self.options.dialect.is_none() && !block.is_empty() && !block.has_axis()
+    }
+
     /// M words of printers. Returns whether the word was executed or does not affect the path.
-    pub(crate) fn printer_word(&mut self, block: &mut Block<'_>, value: f64) -> bool {
-        let is_its_own = [82.0, 83.0, 104.0, 106.0, 107.0, 109.0, 117.0, 140.0, 190.0].contains(&value);
-        if !(is_its_own || self.others.is_printer && value > 72.0) {
+    pub(crate) fn printer_word(&mut self, block: &mut Block<'_>, value: f64, span: Span) -> bool {
+        let act = m_act_of(value);
+        let is_unnamed = self.options.dialect.is_none();
+        let shows_printer = match act {
+            Some(MAct::Printer) => true,
+            Some(MAct::PrinterWaits) => [109.0, 190.0].contains(&value) || self.has_own_words(block),
+            Some(MAct::PrinterLimits | MAct::PrinterFeed) => is_unnamed,
+            Some(MAct::PrinterSetting) => self.has_own_words(block),
+            _ => false,
+        };
+        if !(shows_printer || self.others.is_printer && value > 72.0) {
             return false;
         }
         self.others.is_printer = true;
+        self.leave_unheld(span, true);
         match value {
             82.0 => self.others.is_relative = false,
             83.0 => self.others.is_relative = true,
+            220.0 => self.feed_percentage(block, span),
+            _ if act == Some(MAct::PrinterLimits) => {
+                let text = self.report.source.slice(span);
+                let message = format!("`{text}` sets limits of the printer: those of the machine file hold");
+                self.report.of_kind(false, span, text, message);
+            }
             _ => {}
         }
         block.clear();
         // Words at which a printer waits.
-        !WAITED_FOR.contains(&value)
+        act != Some(MAct::PrinterWaits)
     }
 }
-
-/// M words at which a printer rests: heat up, wait for the moves, park, change the filament.
-const WAITED_FOR: [f64; 6] = [84.0, 109.0, 190.0, 191.0, 400.0, 600.0];

@@ -52,6 +52,11 @@ impl<'w> Block<'w> {
         b"XYZ@^".iter().any(|axis| self.has(*axis))
     }
 
+    /// Changes the words that have a count of their own; `false` drops one.
+    pub(crate) fn change(&mut self, mut change: impl FnMut(&mut Word) -> bool) {
+        self.words.retain_mut(|word| word.count.is_none() || change(word));
+    }
+
     /// Takes X, Y and Z as they are written.
     pub(crate) fn take_axes(&mut self) -> [Option<f64>; 3] {
         [b'X', b'Y', b'Z'].map(|axis| self.take_letter(axis).map(|word| word.value))
@@ -65,8 +70,14 @@ impl<'w> Block<'w> {
     /// The first word of these letters whose number is not 0 and has no decimal point.
     pub(crate) fn without_point(&self, source: &Source<'_>, letters: &[u8]) -> Option<Word> {
         let is_one_of = |word: &Word| letters.iter().any(|letter| word.key == Key::Letter(*letter));
-        let whole = |word: &&Word| word.value != 0.0 && !source.slice(word.span).contains('.');
+        // An expression has the point that its numbers have.
+        let is_plain = |text: &str| text.bytes().skip(1).all(|c| c.is_ascii_digit() || b"+- \t".contains(&c));
+        let whole = |word: &&Word| word.value != 0.0 && is_plain(source.slice(word.span));
         self.words.iter().filter(|word| is_one_of(word)).find(whole).copied()
+    }
+
+    pub(crate) fn words(&self) -> &[Word] {
+        self.words
     }
 
     pub(crate) fn is_empty(&self) -> bool {

@@ -12,8 +12,8 @@ impl Reader<'_, '_, '_> {
     pub(crate) fn block(&mut self, words: &mut Vec<Word>) {
         let Some(mut block) = Block::new(self.report, words) else { return };
         let span = block.span;
-        self.unread = None;
-        let unit_before = self.modal.mm(1.0);
+        self.unread = self.unread_name;
+        let unit_before = self.modal.feed_unit_mm();
         let Some(motion) = self.preparatory(&mut block) else { return };
         if let Some(motion) = motion {
             if !matches!(motion, Motion::Cycle(_)) || !matches!(self.modal.motion, Motion::Cycle(_)) {
@@ -21,12 +21,16 @@ impl Reader<'_, '_, '_> {
             }
             self.modal.motion = motion;
         }
+        self.names_y |= block.has(b'Y');
+        self.count_as_ordered(&mut block);
         self.look_for_points(&block);
         let ends = self.auxiliary(&mut block);
         self.other_axes(&mut block);
         let inverse_feed = self.feed(&mut block, unit_before);
-        let unread = self.unread.take();
-        if let Some((placing, span)) = self.placing.take().filter(|_| unread.is_none()) {
+        let unread = self.unread.take().or_else(|| self.shaping_word(&block));
+        if unread.is_none()
+            && let Some((placing, span)) = self.placing.take()
+        {
             self.place_coordinates(&mut block, placing, span);
         } else if unread.is_some() || self.modal.motion == Motion::Unread {
             self.leave_out(&mut block, unread);
@@ -46,6 +50,12 @@ impl Reader<'_, '_, '_> {
         if !is_new && block.is_empty() {
             return;
         }
+        if self.unread_frame.is_some() {
+            return self.leave_out(block, None);
+        }
+        if self.modal.is_lost() && !matches!(self.modal.motion, Motion::None | Motion::Broken) {
+            return self.find_again(block, is_new);
+        }
         self.end = if self.block_stops { PathMode::ExactStop } else { self.modal.path_mode };
         if block.has_axis() || b"IJK".iter().any(|letter| block.has(*letter)) {
             self.modal.settle();
@@ -64,6 +74,8 @@ impl Reader<'_, '_, '_> {
             {
                 self.arc(block, clockwise, inverse_feed);
             }
+            Motion::ThroughPoint if block.has_axis() => self.through_point(block, inverse_feed),
+            Motion::Tangent if block.has_axis() => self.tangent(block, inverse_feed),
             Motion::FanucNurbs | Motion::LinuxCncNurbs | Motion::Bspline => self.spline_block(block, is_new),
             Motion::Cubic | Motion::Quadratic => self.bezier(block, continues),
             Motion::Cycle(cycle) if block.has_axis() => self.drill(block, cycle),

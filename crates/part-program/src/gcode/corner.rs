@@ -1,7 +1,7 @@
-//! Corners that a program has rounded or cut off: `,R` and `,C` of FANUC, `RND=` and `CHR=` of Siemens.
+//! Corners that a program has rounded or cut off: `,R` and `,C` of FANUC, `RND=`, `CHR=` and `CHF=` of Siemens.
 //!
 //! The word stands in the block of a straight move and changes the corner to the next move. `,R` puts an arc of this
-//! radius between the two moves, `,C` a straight line that begins and ends at this distance from the corner.
+//! radius between the two moves, `,C` a straight line that begins and ends at this distance from the corner, `CHF=` one of this length.
 //!
 //! # Source
 //! FANUC Series 30i, B-63944EN/03, section 4.12 ("optional angle chamfering and corner rounding"); SINUMERIK 840D sl, Programming
@@ -22,21 +22,35 @@ use crate::vector::{difference, dot};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corner {
     size_mm: f64,
-    is_round: bool,
+    kind: Kind,
     span: Span,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// An arc of this radius.
+    Round,
+    /// A line that begins and ends at this distance from the corner.
+    Distance,
+    /// A line of this length.
+    Chamfer,
 }
 
 impl Corner {
     /// Takes the word of a corner from the block of a straight move.
     pub(crate) fn take(report: &mut Report<'_>, modal: &Modal, block: &mut Block<'_>) -> Option<Self> {
-        let word = block.take(Key::CornerRadius).map(|word| (word, true));
-        let (word, is_round) = word.or_else(|| block.take(Key::CornerDistance).map(|word| (word, false)))?;
+        const WORDS: [(Key, Kind); 3] = [
+            (Key::CornerRadius, Kind::Round),
+            (Key::CornerDistance, Kind::Distance),
+            (Key::Chamfer, Kind::Chamfer),
+        ];
+        let (word, kind) = WORDS.into_iter().find_map(|(key, kind)| Some((block.take(key)?, kind)))?;
         if word.value <= 0.0 {
             let text = report.source.slice(word.span).to_owned();
             report.error(word.span, format!("`{text}`: a corner of no size")).expected("a length above 0");
             return None;
         }
-        Some(Self { size_mm: modal.mm(word.value), is_round, span: word.span })
+        Some(Self { size_mm: modal.mm(word.value), kind, span: word.span })
     }
 
     /// Reports a word of a corner at the end of the program, where no move follows.
@@ -73,7 +87,11 @@ impl Corner {
         let cos_between = dot(back, on);
         // Half of the angle by which the path turns; its tangent tells where an arc of radius 1 begins.
         let turn = (std::f64::consts::PI - cos_between.clamp(-1.0, 1.0).acos()) / 2.0;
-        let reach = if self.is_round { self.size_mm * turn.tan() } else { self.size_mm };
+        let reach = match self.kind {
+            Kind::Round => self.size_mm * turn.tan(),
+            Kind::Distance => self.size_mm,
+            Kind::Chamfer => self.size_mm / 2.0 / turn.cos(),
+        };
         if !(reach < back_length && reach < on_length) {
             report
                 .error(
@@ -91,7 +109,7 @@ impl Corner {
         let [begin, end] = [back, on].map(|way| std::array::from_fn(|axis| at[axis] + reach * way[axis]));
         before.control_points_mm_mut()[1] = begin;
         next.control_points_mm_mut()[0] = end;
-        let (curve, shape) = if self.is_round {
+        let (curve, shape) = if self.kind == Kind::Round {
             (arc([begin, at, end], turn.cos()), Shape::Arc)
         } else {
             (Curve::line(begin, end), Shape::Line)

@@ -1,5 +1,7 @@
 //! Drilling cycles: their kinds, and the values that they keep from block to block.
 
+use crate::gcode::block::Block;
+
 /// A cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cycle {
@@ -42,6 +44,13 @@ pub(crate) struct Holes {
 }
 
 impl Holes {
+    /// Keeps the values that a block gives; the bottom as the program writes it.
+    pub(crate) fn keep(&mut self, bottom: Option<f64>, block: &mut Block<'_>) {
+        self.bottom = bottom.or(self.bottom);
+        self.retract = block.take_letter(b'R').map(|word| word.value).or(self.retract);
+        self.step = block.take_letter(b'Q').map(|word| word.value).or(self.step);
+    }
+
     /// Forgets all values but G98 and G99, when a cycle ends.
     pub(crate) fn end(&mut self) {
         *self = Self { returns_to_begin: self.returns_to_begin, ..Self::default() };

@@ -22,6 +22,7 @@ use domains::words::REPEATS;
 use crate::curve::MAX_COORDINATE_MM;
 use crate::gcode::block::Block;
 use crate::gcode::cycle::Cycle;
+use crate::gcode::modal::FeedMode;
 use crate::gcode::reader::Reader;
 use crate::moves::MoveKind;
 use crate::options::Dialect;
@@ -43,6 +44,18 @@ impl Reader<'_, '_, '_> {
     /// Drills at each place of a block.
     pub(crate) fn drill(&mut self, block: &mut Block<'_>, cycle: Cycle) {
         let span = block.span;
+        if self.modal.feed_mode == FeedMode::InverseTime {
+            self.report
+                .of_kind(
+                    true,
+                    span,
+                    "G93",
+                    "a drilling cycle in inverse time feed, G93: one F is no time of its moves",
+                )
+                .expected("G94 before the cycle");
+            self.pass_over(block);
+            return;
+        }
         let [first, second, normal] = self.modal.plane.axes();
         let mut written = block.take_axes();
         let polar = [block.take_letter(b'@'), block.take_letter(b'^')];
@@ -52,10 +65,7 @@ impl Reader<'_, '_, '_> {
         for letter in *b"IJ" {
             block.take_letter(letter);
         }
-        let holes = &mut self.holes;
-        holes.bottom = height.or(holes.bottom);
-        holes.retract = block.take_letter(b'R').map(|word| word.value).or(holes.retract);
-        holes.step = block.take_letter(b'Q').map(|word| word.value).or(holes.step);
+        self.holes.keep(height, block);
         let Some(heights) = self.heights(normal, span) else { return };
         let mut place = self.modal.here();
         for _ in 0..repeats {

@@ -33,6 +33,7 @@ use crate::gcode::function::{function, is_function};
 use crate::gcode::operator::{EQUAL, Operator};
 use crate::gcode::scope::Scope;
 use crate::gcode::variables::{HIGHEST, Value, Variable};
+use crate::options::Dialect;
 use crate::source::Span;
 
 /// Most brackets within brackets; each takes some stack.
@@ -188,7 +189,17 @@ impl<'a> Parser<'a> {
         let begin = self.at;
         let is_digit = |c: &&u8| c.is_ascii_digit() || **c == b'.';
         self.at += self.line.as_bytes()[begin..].iter().take_while(is_digit).count();
-        let text = &self.line[begin..self.at];
+        let mut text = std::borrow::Cow::from(&self.line[begin..self.at]);
+        // LinuxCNC passes over white space between digits.
+        while self.scope.dialect == Some(Dialect::LinuxCnc) {
+            let rest = self.line[self.at..].trim_start_matches([' ', '\t']);
+            let digits = rest.bytes().take_while(|c| is_digit(&c)).count();
+            if digits == 0 {
+                break;
+            }
+            text.to_mut().push_str(&rest[..digits]);
+            self.at = self.line.len() - rest.len() + digits;
+        }
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
             _ => self.fault(begin, format!("`{text}` is no number"), "digits with at most one point"),

@@ -2,7 +2,8 @@
 //!
 //! `G06.2 P<order> K<knot> X<> Y<> Z<> R<weight> F<feed>` opens a curve, one control point a block; after the last point
 //! come `order` blocks with a K alone. P is 4 and R is 1 where they are not written; a coordinate that is not written
-//! keeps its value. The first control point is the current position. `G05 P10000` and `G05 P0` switch high-precision
+//! keeps its value. The first control point is the current position, and its block may have neither it nor a knot, which is then
+//! that of the second block. `G05 P10000` and `G05 P0` switch high-precision
 //! contouring on and off.
 //!
 //! LinuxCNC 2.10 reads the same blocks. It also reads G6.2 before the knots that close the curve, and Q, which selects
@@ -28,9 +29,15 @@ const POSITION_TOLERANCE_MM: f64 = 1e-6;
 pub(crate) struct FanucNurbs {
     order: usize,
     blocks: SplineBlocks,
+    /// Whether the first block has no knot: it is that of the second.
+    lacks_first_knot: bool,
 }
 
 impl FanucNurbs {
+    fn empty(order: usize, start: Span) -> Self {
+        Self { order, blocks: SplineBlocks { start, ..SplineBlocks::default() }, lacks_first_knot: false }
+    }
+
     /// Opens a curve; the block still holds its K, X, Y, Z and R.
     pub(crate) fn open(report: &mut Report<'_>, block: &mut Block<'_>) -> Option<Self> {
         let order = match block.take_letter(b'P') {
@@ -38,7 +45,7 @@ impl FanucNurbs {
             Some(word) => order(report, word)?,
         };
         block.take_letter(b'Q');
-        Some(Self { order, blocks: SplineBlocks { start: block.span, ..SplineBlocks::default() } })
+        Some(Self::empty(order, block.span))
     }
 
     /// Whether the curve has all its closing knots.
@@ -53,14 +60,23 @@ impl FanucNurbs {
 
     /// The curve that follows a complete one if there is no new G06.2.
     pub(crate) fn next(&self, span: Span) -> Self {
-        Self { order: self.order, blocks: SplineBlocks { start: span, ..SplineBlocks::default() } }
+        Self::empty(self.order, span)
     }
 
     /// Reads a block: a control point with its knot, or a knot alone.
     pub(crate) fn block(&mut self, report: &mut Report<'_>, modal: &mut Modal, block: &mut Block<'_>) {
         let is_point = block.has_axis() || block.has(b'R') || self.blocks.points.is_empty();
         match block.take_letter(b'K') {
-            Some(knot) => self.blocks.knots.push((knot.value, knot.span)),
+            Some(knot) => {
+                if std::mem::take(&mut self.lacks_first_knot) {
+                    self.blocks.knots = vec![(knot.value, knot.span)];
+                }
+                self.blocks.knots.push((knot.value, knot.span));
+            }
+            None if self.blocks.points.is_empty() => {
+                self.lacks_first_knot = true;
+                self.blocks.knots.push((0.0, block.span));
+            }
             None => {
                 report
                     .error(block.span, "PS1002: a block of G06.2 without a knot")

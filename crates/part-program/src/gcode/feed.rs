@@ -35,7 +35,7 @@ impl Reader<'_, '_, '_> {
     /// revolution.
     pub(crate) fn feed(&mut self, block: &mut Block<'_>, unit_before: f64) -> Option<f64> {
         let word = block.take_letter(b'F')?;
-        let mut unit = self.modal.mm(1.0);
+        let mut unit = self.modal.feed_unit_mm();
         if unit != unit_before {
             let dialect = self.options.dialect;
             if dialect == Some(Dialect::LinuxCnc) {
@@ -46,6 +46,14 @@ impl Reader<'_, '_, '_> {
                     .warning(word.span, format!("`{text}` is read in the unit that its block sets"))
                     .hint("LinuxCNC reads it in the unit before, as with its dialect given");
             }
+        }
+        if self.options.dialect.is_none() && self.modal.inches != self.modal.feed_in_inches {
+            let text = self.report.source.slice(word.span);
+            let unit = if self.modal.feed_in_inches { "inches" } else { "mm" };
+            let message = format!("`{text}` is read in {unit}: G70 and G71 change the unit of lengths alone");
+            self.report.of_kind(false, word.span, "feed unit", message).hint(
+                "so do Siemens' controls; on others they change that of F too, as G700, G710, G20 and G21 do",
+            );
         }
         if word.value <= 0.0 {
             let message = format!("the feed is {}", shown(word.value));
@@ -66,8 +74,38 @@ impl Reader<'_, '_, '_> {
             self.report.error(word.span, message).expected(FEED.to_string());
             return None;
         }
-        self.modal.feedrate_mm_per_s = self.within_feeds(feedrate, word.span);
+        self.others.feed.commanded_mm_per_s = Some(feedrate);
+        self.scale_feed(word.span);
         None
+    }
+
+    /// Puts the commanded feed into force, as a printer's M220 scales it.
+    fn scale_feed(&mut self, span: Span) {
+        let feed = &self.others.feed;
+        let scaled = feed.commanded_mm_per_s.map(|commanded| commanded * feed.scale);
+        self.modal.feedrate_mm_per_s = scaled.and_then(|feedrate| self.within_feeds(feedrate, span));
+    }
+
+    /// `M220 S50`: every feed is 50 % of what is commanded. B keeps the percentage, R brings the kept one back.
+    pub(crate) fn feed_percentage(&mut self, block: &mut Block<'_>, span: Span) {
+        let feed = &mut self.others.feed;
+        let mut asks = |letter: u8| block.take_letter(letter).is_some() || self.flags.contains(&letter);
+        if asks(b'B') {
+            feed.kept_scale = feed.scale;
+        }
+        if asks(b'R') {
+            feed.scale = feed.kept_scale;
+        }
+        if let Some(word) = block.take_letter(b'S') {
+            if word.value <= 0.0 {
+                let text = self.report.source.slice(word.span);
+                let message = format!("`{text}`: a feed of {} %", shown(word.value));
+                self.report.error(word.span, message).expected("a percentage above 0");
+                return;
+            }
+            feed.scale = word.value / 100.0;
+        }
+        self.scale_feed(span);
     }
 
     /// A feedrate in mm/s that a machine can have: above that, none, and the machine's own holds; below that, the least.

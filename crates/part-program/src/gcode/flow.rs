@@ -169,6 +169,11 @@ impl Flow {
         Some(line)
     }
 
+    /// Whether another line than the one behind this one is executed next.
+    pub(crate) fn has_jumped(&self) -> bool {
+        self.next != self.line + 1
+    }
+
     /// Whether the line stands in a subprogram.
     pub(crate) fn is_called(&self) -> bool {
         self.frames.len() > 1

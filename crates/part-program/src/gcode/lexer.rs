@@ -1,12 +1,13 @@
 //! Lexer of part programs: a line to its words.
 //!
 //! A word is a letter and a number (`X12.5`, `G06.2`) or an expression (`X[#1+2]`). In Siemens programs it may be a
-//! name, `=` and an expression (`PW=1.5`). Comments `( )` and from `;`, block numbers, program numbers and `%` are not
+//! name, `=` and an expression (`PW=1.5`). Comments `( )` and from `;`, which ends a block of FANUC, block numbers, program numbers and `%` are not
 //! words; a `%` that does not begin the program ends it. White space may stand anywhere but inside a number or a name.
 //! In addition to words, a line may give values to variables, and commands that select the line to be executed next.
 
 use crate::diagnostic::Report;
 use crate::gcode::expression::{Fault, Parser};
+use crate::gcode::known_words::{MAct, m_act_of};
 use crate::gcode::line::{Line, Tape};
 use crate::gcode::scope::Scope;
 use crate::gcode::variables::Variable;
@@ -37,7 +38,20 @@ pub(crate) fn read_line(
     if !lexer.is_setting() {
         while lexer.item().is_some() {}
     }
+    if scope.dialect == Some(Dialect::Fanuc) && lexer.read.next_block.is_none() {
+        lexer.read.next_block = behind_semicolon(line, lexer.at);
+    }
     tape.begun |= lexer.begun || !lexer.read.words.is_empty();
+}
+
+/// The byte behind the first `;` from byte `at` on that stands in no comment.
+fn behind_semicolon(line: &str, at: usize) -> Option<usize> {
+    let mut in_comment = false;
+    let ends = |c: u8| {
+        in_comment = c == b'(' || in_comment && c != b')';
+        c == b';' && !in_comment
+    };
+    line.as_bytes().get(at..)?.iter().copied().position(ends).map(|index| at + index + 1)
 }
 
 /// The place in a line, behind the end of a program, of anything but comments and delimiters.
@@ -120,10 +134,16 @@ impl Lexer<'_, '_, '_> {
         match self.peek()? {
             // Text that a printer shows.
             _ if self.is_shown_text() => None,
-            b';' => None,
+            b';' => {
+                self.read.next_block = Some(self.at + 1);
+                None
+            }
             b'%' => {
                 self.at += 1;
                 let ended = self.begun || !self.read.words.is_empty();
+                if !ended {
+                    self.skip_name_of_program();
+                }
                 self.read.ended = ended.then_some(self.at);
                 self.begun = true;
                 (!ended).then_some(())
@@ -140,9 +160,20 @@ impl Lexer<'_, '_, '_> {
         }
     }
 
-    /// Whether the last word was M117, M118 or M23. The text behind them has no words.
+    /// Passes the name or the number of a program behind its `%`: `%_N_PART_MPF`, `%1234`.
+    fn skip_name_of_program(&mut self) {
+        if self.line[self.at..].starts_with("_N_") {
+            self.read.dialect = Some(Dialect::Siemens);
+        }
+        if self.peek().is_some_and(|c| c == b'_' || c.is_ascii_digit()) {
+            self.skip(|c| c.is_ascii_alphanumeric() || c == b'_');
+        }
+    }
+
+    /// Whether the last word was M117, M118, M23 or a check of the printer's model, M862. The text behind them has no words.
     fn is_shown_text(&self) -> bool {
-        let shows = |word: &Word| word.key == Key::Letter(b'M') && [23.0, 117.0, 118.0].contains(&word.value);
+        let has_text = |value: f64| value == 117.0 || m_act_of(value.trunc()) == Some(MAct::Text);
+        let shows = |word: &Word| word.key == Key::Letter(b'M') && has_text(word.value);
         self.read.words.last().is_some_and(shows)
     }
 
@@ -175,6 +206,7 @@ impl Lexer<'_, '_, '_> {
         let span = self.span(begin, self.at);
         if self.lenient {
             self.report.warning(span, what);
+            self.read.unread.get_or_insert(span);
             return Some(());
         }
         self.report.error(span, what).expected("a word such as X12.5");

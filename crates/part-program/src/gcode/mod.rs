@@ -9,10 +9,13 @@
 //! |---|---|---|
 //! | G0 G1 G33 G33.1 | straight moves: curves of degree 1 | `path_move` |
 //! | G2 G3 with I J K or R (CR=), P turns | arcs and full circles: rational curves of degree 2; helices: of degree 3 | `path_move` |
-//! | `,R` `,C` RND= CHR= | corners that are rounded or cut off | `corner` |
-//! | G73 G74 G76 G80 to G89, G98 G99 | drilling cycles | `drilling` |
+//! | CIP, CT, TURN=, AR= | arcs of Siemens | `siemens_arcs`, `path_move` |
+//! | `,R` `,C` RND= CHR= CHF= | corners that are rounded or cut off | `corner` |
+//! | G73 G74 G76, G80 to G89 but G87, G98 G99 | drilling cycles | `drilling` |
 //! | G06.2, G5.2 G5.3, G5, G5.1, BSPLINE | splines of FANUC, LinuxCNC and Siemens | `spline_move`, `fanuc`, `linuxcnc`, `siemens` |
-//! | G17 G18 G19, G20 G21 (G70 G71), G90 G91, G90.1 G91.1 | planes, units, coordinates, centres | `preparatory` |
+//! | G17 G18 G19, G20 G21 (G70 G71 G700 G710), G90 G91, G90.1 G91.1 | planes, units, coordinates, centres | `preparatory` |
+//! | TRANS ATRANS | a shift of the coordinates | `offsets` |
+//! | words that are not read | what they leave out | `left_out` |
 //! | G10 G28 G30 G52 G53 G54 to G59.3 G92 | where 0 is, and moves to places of the machine | `offsets` |
 //! | F with G93 G94 G95 | feed | `feed` |
 //! | G9, G61 G61.1 G64, of FANUC G62 G63, of Siemens G60 | exact stop at the ends of moves, or not | `preparatory` |
@@ -41,7 +44,10 @@ mod expression;
 mod fanuc;
 mod feed;
 mod flow;
+mod frame;
 mod function;
+mod known_words;
+mod left_out;
 mod lexer;
 mod line;
 mod linuxcnc;
@@ -58,10 +64,12 @@ mod program;
 mod reader;
 mod scope;
 mod siemens;
+mod siemens_arcs;
 mod spline;
 mod spline_move;
 mod variables;
 mod word;
 
+pub use known_words::{KnownWord, WordUse, known_words};
 pub(crate) use linuxcnc::LEAST_ORDER;
 pub(crate) use program::read;

@@ -3,10 +3,14 @@
 use crate::arc::Plane;
 use crate::exact_stops::PathMode;
 use crate::gcode::cycle::Cycle;
+use crate::gcode::word::Key;
 use crate::unit::INCH;
 
 /// Work offsets: G54 to G59, G59.1 to G59.3.
 pub(crate) const WORK_OFFSETS: usize = 9;
+
+/// The share of a coordinate that turning it may round.
+const ROUNDING: f64 = 1e-14;
 
 /// The motion in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +24,10 @@ pub(crate) enum Motion {
     Line,
     /// G2, G3.
     Arc { clockwise: bool },
+    /// CIP.
+    ThroughPoint,
+    /// CT.
+    Tangent,
     /// G06.2.
     FanucNurbs,
     /// G5.
@@ -46,6 +54,11 @@ impl Motion {
         matches!(self, Self::FanucNurbs | Self::Cubic | Self::Quadratic | Self::LinuxCncNurbs | Self::Bspline)
     }
 
+    /// Its curve, in messages.
+    pub(crate) fn kind(self) -> &'static str {
+        if self.is_spline() { "spline" } else { "curve" }
+    }
+
     /// Its name in messages.
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -54,6 +67,8 @@ impl Motion {
             Self::Line => "G1",
             Self::Arc { clockwise: true } => "G2",
             Self::Arc { clockwise: false } => "G3",
+            Self::ThroughPoint => "CIP",
+            Self::Tangent => "CT",
             Self::FanucNurbs => "G06.2",
             Self::Cubic => "G5",
             Self::Quadratic => "G5.1",
@@ -65,12 +80,45 @@ impl Motion {
         }
     }
 
+    /// Whether a letter, or a name, that this motion does not know may be passed over without another path: corners,
+    /// angles and turns are written in words of blocks.
+    pub(crate) fn may_lack(self, key: Key) -> bool {
+        match self {
+            Self::Rapid | Self::Line => matches!(key, Key::Letter(b'P' | b'Q' | b'L' | b'H' | b'D')),
+            Self::Arc { .. }
+            | Self::ThroughPoint
+            | Self::Tangent
+            | Self::Cycle(_)
+            | Self::WithSpindle { .. } => false,
+            _ => true,
+        }
+    }
+
+    /// Whether it knows a word.
+    pub(crate) fn takes(self, key: Key) -> bool {
+        let letters: &[u8] = match self {
+            Self::Arc { .. } => b"IJKRP",
+            Self::Cycle(_) => b"RQPLKIJ",
+            Self::WithSpindle { .. } => b"K",
+            _ => b"",
+        };
+        match key {
+            Key::Letter(letter) => b"XYZ@^".contains(&letter) || letters.contains(&letter),
+            Key::CornerRadius | Key::CornerDistance | Key::Chamfer => self == Self::Line,
+            Key::CircleRadius | Key::Turns | Key::ArcAngle => matches!(self, Self::Arc { .. }),
+            Key::Middle(_) => self == Self::ThroughPoint,
+            _ => false,
+        }
+    }
+
     /// The words that its blocks may have.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::None | Self::Unread | Self::Broken => "G, F, M, S, T, D or H",
             Self::Rapid | Self::Line => "X, Y, Z or F",
             Self::Arc { .. } => "X, Y, Z, I, J, K, R or F",
+            Self::ThroughPoint => "X, Y, Z, I1=, J1=, K1= or F",
+            Self::Tangent => "X, Y, Z or F",
             Self::FanucNurbs => "K, X, Y, Z, R, P or F",
             Self::Cubic => "X, Y, I, J, P, Q or F",
             Self::Quadratic => "X, Y, I, J or F",
@@ -105,12 +153,16 @@ pub(crate) struct Modal {
     pub(crate) absolute_centres: bool,
     /// G20.
     pub(crate) inches: bool,
+    /// Whether F counts inches. G70 and G71 change the unit of lengths alone.
+    pub(crate) feed_in_inches: bool,
     pub(crate) feed_mode: FeedMode,
     pub(crate) path_mode: PathMode,
     /// Feedrate of G94, in mm/s.
     pub(crate) feedrate_mm_per_s: Option<f64>,
     /// Feed of G95, in mm a revolution.
     pub(crate) feed_mm_per_revolution: Option<f64>,
+    /// G96: S is no number of revolutions.
+    pub(crate) keeps_cut_speed: bool,
     /// S, in revolutions a minute.
     pub(crate) spindle_per_minute: Option<f64>,
     /// The place of the tool, in mm of the part. It is unknown for an axis that was never named, and for one that was
@@ -133,6 +185,8 @@ pub(crate) struct Modal {
     last_known: [f64; 3],
     /// Axes that incremental words moved from their assumed places.
     pub(crate) from_unknown: [bool; 3],
+    /// Axes whose place a block that was left out has changed: nothing moves until all of them are named.
+    pub(crate) lost: [bool; 3],
     /// The first places of axes that were unknown and have been named since this was last read.
     pub(crate) begun: [Option<f64>; 3],
 }
@@ -141,6 +195,11 @@ impl Modal {
     /// Millimetres of a length word.
     pub(crate) fn mm(&self, length: f64) -> f64 {
         if self.inches { length * INCH } else { length }
+    }
+
+    /// Millimetres of the unit of F.
+    pub(crate) fn feed_unit_mm(&self) -> f64 {
+        if self.feed_in_inches { INCH } else { 1.0 }
     }
 
     /// The position in numbers; coordinates that were never known are 0.
@@ -166,14 +225,19 @@ impl Modal {
         self.work_origins.get(usize::from(self.work_offset)).map_or(0.0, |origin| origin[axis])
     }
 
-    /// The zero of the program's coordinate of an axis, in mm of the part, if nothing is turned.
+    /// The zero of the program's coordinate of an axis, in mm of the part, if the axes of both are parallel.
     pub(crate) fn origin(&self, axis: usize) -> f64 {
-        self.work_origin(axis) + self.shift[axis] - self.base.0[axis]
+        let (base, angle) = self.base;
+        if angle == 0.0 {
+            return self.work_origin(axis) + self.shift[axis] - base[axis];
+        }
+        let off = std::array::from_fn(|axis| self.work_origin(axis) - base[axis]);
+        turned_by(-angle, off)[axis] + self.shift[axis]
     }
 
-    /// Whether the program's axes are turned against those of the part, or the part's own axes are turned.
+    /// Whether the program's axes are turned against those of the part.
     fn is_turned(&self) -> bool {
-        self.turn() != 0.0 || self.base.1 != 0.0
+        self.turn() != self.base.1
     }
 
     /// The angle by which the work offset in force turns X and Y, in rad.
@@ -217,11 +281,15 @@ impl Modal {
     pub(crate) fn target(&self, from: [f64; 3], written: [Option<f64>; 3]) -> [f64; 3] {
         if self.is_turned() && written != [None; 3] {
             let here = self.in_program(from);
-            return self.in_part(std::array::from_fn(|axis| match written[axis] {
+            let there: [f64; 3] = std::array::from_fn(|axis| match written[axis] {
                 Some(value) if self.incremental => here[axis] + self.mm(value),
                 Some(value) => self.mm(value),
                 None => here[axis],
-            }));
+            });
+            // What is turned forth and back is off by its rounding, which is no move.
+            let stays =
+                |axis: usize| (there[axis] - here[axis]).abs() <= ROUNDING * here[axis].abs().max(1.0);
+            return if (0..3).all(stays) { from } else { self.in_part(there) };
         }
         std::array::from_fn(|axis| match written[axis] {
             Some(value) if self.incremental => from[axis] + self.mm(value),
@@ -239,12 +307,18 @@ impl Modal {
 
     /// Moves the axes with a coordinate to `target`.
     pub(crate) fn arrive(&mut self, mut written: [Option<f64>; 3], target: [f64; 3]) {
+        let named = [written[0].is_some(), written[1].is_some()];
         if self.is_turned() {
             let either = written[0].or(written[1]);
             (written[0], written[1]) = (either, either);
         }
         for axis in (0..3).filter(|axis| written[*axis].is_some()) {
-            if self.position[axis].is_none() {
+            if self.lost[axis] {
+                if self.incremental || self.is_half_known(axis, named) {
+                    continue;
+                }
+                self.lost[axis] = false;
+            } else if self.position[axis].is_none() {
                 self.from_unknown[axis] = self.incremental;
                 self.begun[axis] = Some(target[axis]).filter(|_| !self.incremental);
             }
@@ -252,10 +326,26 @@ impl Modal {
         }
     }
 
+    /// Whether the place of an axis in the part depends on a coordinate that is lost and not named.
+    fn is_half_known(&self, axis: usize, named: [bool; 2]) -> bool {
+        axis < 2 && self.is_turned() && named != [true; 2]
+    }
+
+    /// Whether where the tool is is not known, because a block was left out.
+    pub(crate) fn is_lost(&self) -> bool {
+        self.lost != [false; 3]
+    }
+
+    /// Forgets the place of an axis that a block which is left out may have moved.
+    pub(crate) fn lose_track(&mut self, axis: usize) {
+        self.forget(axis);
+        self.lost[axis] = true;
+    }
+
     /// Forgets the place of an axis.
     pub(crate) fn forget(&mut self, axis: usize) {
         self.last_known[axis] = self.here()[axis];
-        (self.position[axis], self.from_unknown[axis]) = (None, false);
+        (self.position[axis], self.from_unknown[axis], self.lost[axis]) = (None, false, false);
     }
 }
 

@@ -22,7 +22,6 @@ use crate::gcode::preparatory::code;
 use crate::gcode::reader::Reader;
 use crate::gcode::word::Word;
 use crate::moves::MoveKind;
-use crate::options::Dialect;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
@@ -44,6 +43,7 @@ impl Reader<'_, '_, '_> {
                 self.set_position(block);
                 self.kept_shift = self.modal.shift;
             }
+            Placing::Shift { adds } => self.shift(block, adds),
             Placing::MoveOrigin => {
                 for (axis, value) in block.take_axes().into_iter().enumerate() {
                     self.modal.shift[axis] =
@@ -55,18 +55,32 @@ impl Reader<'_, '_, '_> {
         }
     }
 
+    /// TRANS and ATRANS: where the zero of the coordinates is, and by how much it is moved on.
+    fn shift(&mut self, block: &mut Block<'_>, adds: bool) {
+        let written = block.take_axes().map(|value| self.modal.mm(value.unwrap_or(0.0)));
+        for (shift, written) in self.modal.shift.iter_mut().zip(written) {
+            *shift = if adds { *shift + written } else { written };
+        }
+    }
+
     /// Goes to the written point, as fast as the machine can, and from there to an unknown place.
     fn home(&mut self, block: &mut Block<'_>, span: Span) {
         block.take_letter(b'P');
+        if self.options.dialect.is_none() {
+            // How high a printer raises its tool before.
+            block.take_letter(b'R');
+        }
         self.modal.settle();
         let written = block.take_axes();
-        let axes: Vec<usize> = if written == [None; 3] {
-            (0..3).collect()
-        } else {
-            (0..3).filter(|axis| written[*axis].is_some()).collect()
-        };
+        let is_named = |axis: usize| written[axis].is_some() || self.flags.contains(&b"XYZ"[axis]);
+        let names_none = !(0..3).any(is_named);
+        let axes: Vec<usize> = (0..3).filter(|axis| names_none || is_named(*axis)).collect();
         let over = self.modal.target(self.modal.here(), written);
-        self.traverse(over, span);
+        if self.modal.is_lost() {
+            self.modal.arrive(written, over);
+        } else {
+            self.traverse(over, span);
+        }
         for axis in axes {
             self.lose(axis);
         }
@@ -87,7 +101,7 @@ impl Reader<'_, '_, '_> {
 
     /// From here on the place of an axis is unknown.
     pub(crate) fn lose(&mut self, axis: usize) {
-        if self.modal.position[axis].is_some() {
+        if self.modal.position[axis].is_some() || self.modal.lost[axis] {
             self.unknown_from[axis] = self.part.curves.len();
         }
         self.modal.forget(axis);
@@ -142,6 +156,9 @@ impl Reader<'_, '_, '_> {
     /// Puts the origin of a work offset at the written place, or at the place at which the tool has the written
     /// coordinates.
     fn set_origin(&mut self, block: &mut Block<'_>, index: u8, by_tool: bool) {
+        if by_tool && !self.place_is_kept(block) {
+            return;
+        }
         let index = usize::from(index);
         self.known_origins[index] = true;
         let written = block.take_axes().map(|value| value.map(|value| self.modal.mm(value)));
@@ -164,8 +181,26 @@ impl Reader<'_, '_, '_> {
         self.modal.work_offset = in_force;
     }
 
+    /// Whether the place of the tool is known as far as the program gives it: a block that was left out may have moved it.
+    fn place_is_kept(&mut self, block: &mut Block<'_>) -> bool {
+        let is_lost = (0..3).any(|axis| self.modal.lost[axis] && block.has(b"XYZ"[axis]));
+        if is_lost {
+            self.report
+                .error(
+                    block.span,
+                    "coordinates are given to a place that is not known, since a block was left out",
+                )
+                .expected("a move that names these axes before");
+            block.clear();
+        }
+        !is_lost
+    }
+
     /// G92: gives the tool these coordinates at its place.
     fn set_position(&mut self, block: &mut Block<'_>) {
+        if !self.place_is_kept(block) {
+            return;
+        }
         let here = self.modal.in_program(self.modal.here());
         for (axis, value) in block.take_axes().into_iter().enumerate() {
             let Some(value) = value.map(|value| self.modal.mm(value)) else { continue };
@@ -197,7 +232,7 @@ impl Reader<'_, '_, '_> {
             530 => Some(Placing::MachineCoordinates),
             100 if block.has(b'L') => Some(Placing::SetOffset),
             920 => Some(Placing::SetPosition),
-            520 if self.options.dialect != Some(Dialect::Siemens) => Some(Placing::MoveOrigin),
+            520 => Some(Placing::MoveOrigin),
             281 | 301 | 431 | 432 => Some(Placing::Ignored),
             _ => None,
         }

@@ -12,6 +12,7 @@ use crate::gcode::modal::{FeedMode, Motion};
 use crate::gcode::reader::Reader;
 use crate::gcode::word::{Key, Word};
 use crate::moves::{MoveKind, Shape};
+use crate::options::Dialect;
 use crate::source::Span;
 use crate::vector::{difference, dot};
 
@@ -58,7 +59,7 @@ impl Reader<'_, '_, '_> {
     }
 
     /// Stores the axes that were unknown before this straight move and are known now.
-    fn approach(&mut self, before: [Option<f64>; 3], span: Span) {
+    pub(crate) fn approach(&mut self, before: [Option<f64>; 3], span: Span) {
         let here = self.modal.position;
         let axes = std::array::from_fn(|axis| before[axis].is_none() && here[axis].is_some());
         // Incremental words do not give their start.
@@ -96,7 +97,7 @@ impl Reader<'_, '_, '_> {
     }
 
     /// Start and end of a move by the block's coordinates. The position is set to the end.
-    fn ends(&mut self, block: &mut Block<'_>) -> Option<([f64; 3], [f64; 3])> {
+    pub(crate) fn ends(&mut self, block: &mut Block<'_>) -> Option<([f64; 3], [f64; 3])> {
         let mut written = block.take_axes();
         let polar = [block.take_letter(b'@'), block.take_letter(b'^')];
         self.polar(polar, self.modal.here(), &mut written);
@@ -155,6 +156,7 @@ impl Reader<'_, '_, '_> {
         let radius = block.take_letter(b'R').or_else(|| block.take(Key::CircleRadius));
         let (i, j) = (block.take_letter(offset(first)), block.take_letter(offset(second)));
         let turns = self.turns(block);
+        let angle = block.take(Key::ArcAngle);
         if let Some(word) = block.take_letter(offset(normal)).filter(|word| word.value != 0.0) {
             let letters = [first, second].map(|axis| char::from(offset(axis)));
             self.report
@@ -164,17 +166,27 @@ impl Reader<'_, '_, '_> {
             self.pass_over(block);
             return;
         }
-        if plane != Plane::Xy && self.modal.turned([1.0, 0.0, 0.0])[1] != 0.0 {
-            self.report
-                .error(block.span, "an arc in another plane than G17, while an offset turns the coordinates against the part")
-                .expected("the offset that turns before the first move");
+        if !self.may_turn(plane, block.span) {
             self.pass_over(block);
             return;
         }
         let is_known = self.start_is_known(plane, block.span);
-        let Some((start, end)) = self.ends(block).filter(|_| is_known) else { return };
+        let names_end = [first, second].iter().any(|axis| block.has(b"XYZ"[*axis]));
+        let Some((start, mut end)) = self.ends(block).filter(|_| is_known) else { return };
         let circle = match (radius, i.or(j)) {
+            (radius, centre) if angle.is_some() => {
+                let given = (radius, centre.map(|_| self.centre(start, [i, j])), names_end);
+                let Some(circle) = self.by_angle(angle, given, [start, end]) else { return };
+                if let (Circle::Centre(centre), Some(angle)) = (circle, angle) {
+                    end = self.turn_to(start, centre, if clockwise { -angle.value } else { angle.value });
+                }
+                circle
+            }
             (Some(radius), None) => Circle::Radius(self.modal.mm(radius.value)),
+            // FANUC's R is taken where both are written.
+            (Some(radius), Some(_)) if self.options.dialect == Some(Dialect::Fanuc) => {
+                Circle::Radius(self.modal.mm(radius.value))
+            }
             (None, Some(_)) => Circle::Centre(self.centre(start, [i, j])),
             (Some(radius), Some(_)) => {
                 self.report.error(radius.span, "an arc with both centre and radius").expected("one of them");
@@ -221,9 +233,10 @@ impl Reader<'_, '_, '_> {
         [centre[first], centre[second]]
     }
 
-    /// P: the number of turns of an arc, the last of which ends at the arc's end.
+    /// The number of turns of an arc, the last of which ends at the arc's end: P, or TURN= without the last.
     fn turns(&mut self, block: &mut Block<'_>) -> u32 {
-        let Some(word) = block.take_letter(b'P') else { return 1 };
+        let beside = block.take(Key::Turns).map(|word| Word { value: word.value + 1.0, ..word });
+        let Some(word) = beside.or_else(|| block.take_letter(b'P')) else { return 1 };
         if !TURNS.holds(word.value) {
             self.report
                 .error(word.span, format!("an arc of {} turns", shown(word.value)))
@@ -253,7 +266,7 @@ impl Reader<'_, '_, '_> {
         self.report.warning(span, message).expected(expected);
     }
 
-    fn refuse_arc(&mut self, fault: ArcFault, span: Span) {
+    pub(crate) fn refuse_arc(&mut self, fault: ArcFault, span: Span) {
         let (message, expected) = match fault {
             ArcFault::NoRadius => ("the centre of the arc is its start".into(), "a centre off the start"),
             ArcFault::EndOffCircle { start, end } => (
@@ -273,7 +286,7 @@ impl Reader<'_, '_, '_> {
     }
 
     /// The feedrate of a move of `length` mm.
-    fn feedrate(&mut self, length: f64, inverse_feed: Option<f64>, span: Span) -> Option<f64> {
+    pub(crate) fn feedrate(&mut self, length: f64, inverse_feed: Option<f64>, span: Span) -> Option<f64> {
         match (self.modal.feed_mode, inverse_feed) {
             (FeedMode::PerMinute, _) => self.modal.feedrate_mm_per_s,
             (FeedMode::PerRevolution, _) => self.feedrate_of_spindle(self.modal.feed_mm_per_revolution, span),

@@ -13,6 +13,8 @@ pub(crate) enum Placing {
     SetPosition,
     /// G52.
     MoveOrigin,
+    /// TRANS, and ATRANS, which adds.
+    Shift { adds: bool },
     /// G28.1, G30.1, G43.1 and G43.2: their coordinates do not affect the path.
     Ignored,
 }

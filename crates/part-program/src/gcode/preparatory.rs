@@ -4,20 +4,27 @@ use crate::arc::Plane;
 use crate::exact_stops::PathMode;
 use crate::gcode::block::Block;
 use crate::gcode::cycle::Cycle;
+use crate::gcode::known_words::{Act, act_of};
 use crate::gcode::modal::{FeedMode, Motion};
 use crate::gcode::reader::Reader;
 use crate::gcode::spline::Spline;
 use crate::gcode::word::{Key, Word};
-use crate::options::Dialect;
+use crate::options::{Dialect, Unit};
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
     /// Takes the G words. Returns the motion that the block commands, if it does; `None` if the block cannot be read.
     pub(crate) fn preparatory(&mut self, block: &mut Block<'_>) -> Option<Option<Motion>> {
         let mut motion: Option<Motion> = None;
-        let bspline = block.take(Key::Bspline).map(|word| (Motion::Bspline, word.span));
-        let mut commands = bspline.into_iter().collect::<Vec<_>>();
+        const NAMED: [(Key, Motion); 3] = [
+            (Key::Bspline, Motion::Bspline),
+            (Key::ThroughPoint, Motion::ThroughPoint),
+            (Key::Tangent, Motion::Tangent),
+        ];
+        let named = NAMED.into_iter().filter_map(|(key, motion)| Some((motion, block.take(key)?.span)));
+        let mut commands = named.collect::<Vec<_>>();
         self.block_stops = false;
+        self.frame_words(block)?;
         let mut settings: Vec<(Setting, Span)> = Vec::new();
         while let Some(word) = block.take_letter(b'G') {
             if let Some(setting) = Setting::of(word.value) {
@@ -31,6 +38,7 @@ impl Reader<'_, '_, '_> {
             {
                 self.close(word.span);
             }
+            self.end_frame(word);
             match self.general(block, word) {
                 Ok(None) => {}
                 Ok(Some(command)) => commands.push((command, word.span)),
@@ -74,10 +82,20 @@ impl Reader<'_, '_, '_> {
     fn general(&mut self, block: &mut Block<'_>, word: Word) -> Result<Option<Motion>, ()> {
         let Some(tenths) = code(word.value) else { return self.unread_word(word) };
         if let Some(reason) = self.turning(block, tenths) {
-            self.report.error(word.span, format!("this is a program for a lathe: {reason}")).expected(
-                "a program for a mill: a lathe's X may be a diameter, and its feed one a revolution",
-            );
+            self.refuse_lathe(word.span, reason);
             return Err(());
+        }
+        match act_of(tenths, self.options.dialect) {
+            Act::Read | Act::Foreign => {}
+            Act::Pass(letters) => {
+                for letter in letters {
+                    block.take_letter(*letter);
+                }
+                self.leave_unheld(word.span, true);
+                return Ok(None);
+            }
+            Act::Off => return Ok(None),
+            Act::Frame(_) | Act::Motion | Act::Leave | Act::Lathe => return self.unread_word(word),
         }
         if let Some(placing) = self.placing(block, word) {
             self.placing = Some((placing, word.span));
@@ -88,7 +106,7 @@ impl Reader<'_, '_, '_> {
         }
         if self.mode(block, word, tenths)?
             || self.stop_or_path_mode(block, word, tenths)
-            || self.is_aside(block, tenths)
+            || self.is_aside(block, word, tenths)
         {
             return Ok(None);
         }
@@ -99,15 +117,37 @@ impl Reader<'_, '_, '_> {
     fn turning(&self, block: &Block<'_>, tenths: u16) -> Option<&'static str> {
         let has_contour = block.has(b'P') && block.has(b'Q') || block.has(b'U') && block.has(b'R');
         match tenths {
-            700 | 710 if self.options.dialect == Some(Dialect::Fanuc) => Some("G70 to G72 turn a contour"),
+            700 | 710 if matches!(self.options.dialect, Some(Dialect::Fanuc | Dialect::LinuxCnc)) => {
+                Some("G70 to G72 turn a contour")
+            }
             70 if self.options.dialect != Some(Dialect::Fanuc) => Some("G7 makes X a diameter"),
-            960 => Some("G96 keeps the speed of the cut"),
             500 if block.has(b'S') => Some("G50 with S limits the speed of the spindle"),
             700..=723 if has_contour || block.has(b'D') => Some("G70 to G72 turn a contour"),
             700..=723 if !tenths.is_multiple_of(10) => Some("G70 to G72 turn a contour"),
             760 if block.has(b'P') && !block.has(b'X') && !block.has(b'Y') => Some("G76 cuts a thread"),
             _ => None,
         }
+    }
+
+    /// Says that a program is for a lathe, and nothing else of it.
+    pub(crate) fn refuse_lathe(&mut self, span: Span, reason: &str) {
+        self.report.forget_errors();
+        self.report
+            .error(span, format!("this is a program for a lathe: {reason}"))
+            .expected("a program for a mill: a lathe's X may be a diameter, and its feed one a revolution");
+        self.ended = true;
+    }
+
+    /// G96: S is the speed of the cut, and the spindle's follows from where X is.
+    fn keeps_cut_speed(&mut self, span: Span) {
+        self.modal.keeps_cut_speed = true;
+        self.leave_unheld(span, true);
+        self.modal.spindle_per_minute = None;
+        self.cut_speed_from.get_or_insert(span);
+        let message = "the speed of the cut is kept, G96: that of the spindle is not known";
+        self.report
+            .of_kind(false, span, "G96", message)
+            .hint("a feed per revolution, G95, is not known there");
     }
 
     /// The motion that a word commands.
@@ -120,10 +160,15 @@ impl Reader<'_, '_, '_> {
             30 => Motion::Arc { clockwise: false },
             62 => Motion::FanucNurbs,
             50 if spline_words => Motion::Cubic,
-            51 if b"IJK".iter().any(|letter| block.has(*letter)) || block.has_axis() => Motion::Quadratic,
+            // FANUC's G05.1 has a Q, and may name the axes that it smooths.
+            51 if !block.has(b'Q')
+                && (b"IJK".iter().any(|letter| block.has(*letter)) || block.has_axis()) =>
+            {
+                Motion::Quadratic
+            }
             52 => Motion::LinuxCncNurbs,
             330 => Motion::WithSpindle { comes_back: false },
-            331 if self.may_be(&[Dialect::LinuxCnc]) => Motion::WithSpindle { comes_back: true },
+            331 => Motion::WithSpindle { comes_back: true },
             _ => Motion::Cycle(Cycle::of(tenths)?),
         })
     }
@@ -132,14 +177,25 @@ impl Reader<'_, '_, '_> {
     fn mode(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> Result<bool, ()> {
         match tenths {
             50 => self.high_precision(block, word)?,
-            51 if block.has(b'Q') => drop(block.take_letter(b'Q')),
+            51 if block.has(b'Q') => {
+                for letter in *b"QRXYZ" {
+                    block.take_letter(letter);
+                }
+            }
             53 => self.end_of_linuxcnc_nurbs(word.span),
-            80 if block.has(b'P') => drop(block.take_letter(b'P')),
             170 => self.modal.plane = Plane::Xy,
             180 => self.modal.plane = Plane::Zx,
             190 => self.modal.plane = Plane::Yz,
-            200 | 700 => self.modal.inches = true,
-            210 | 710 => self.modal.inches = false,
+            200 | 210 => self.units(tenths == 200, tenths == 200),
+            7000 | 7100 => self.units(tenths == 7000, tenths == 7000),
+            // Haas drills circles of holes with these words.
+            700 | 710 if !b"IJL".iter().any(|letter| block.has(*letter)) => {
+                self.units(tenths == 700, self.options.unit == Some(Unit::Inch));
+            }
+            // With axes Siemens' words shift the coordinates.
+            580 | 590 if self.options.dialect == Some(Dialect::Siemens) && block.has_axis() => {
+                return Ok(false);
+            }
             540..=590 if tenths.is_multiple_of(10) => {
                 self.choose_work_offset(offset_of(tenths / 10 - 54), word.span)
             }
@@ -149,6 +205,11 @@ impl Reader<'_, '_, '_> {
             901 => self.modal.absolute_centres = true,
             911 => self.modal.absolute_centres = false,
             921..=923 => self.change_shift(tenths),
+            960 => {
+                block.take_letter(b'D');
+                self.keeps_cut_speed(word.span);
+            }
+            970 => self.modal.keeps_cut_speed = false,
             930 => self.modal.feed_mode = FeedMode::InverseTime,
             940 => self.modal.feed_mode = FeedMode::PerMinute,
             950 => self.modal.feed_mode = FeedMode::PerRevolution,
@@ -156,16 +217,19 @@ impl Reader<'_, '_, '_> {
                 self.modal.motion = Motion::None;
                 self.holes.end();
             }
-            980 | 990 if self.may_be(&[Dialect::Fanuc, Dialect::LinuxCnc]) => {
+            980 | 990 => {
                 self.holes.returns_to_begin = Some(tenths == 980);
             }
             650 if block.has(b'P') => self.call_macro(block, word.span),
             _ => return Ok(false),
         }
-        if matches!(tenths, 200 | 700 | 210 | 710) {
-            self.names_unit = true;
-        }
         Ok(true)
+    }
+
+    /// Whether lengths are in inches, and whether F is.
+    fn units(&mut self, of_lengths: bool, of_feed: bool) {
+        (self.modal.inches, self.modal.feed_in_inches) = (of_lengths, of_feed);
+        self.names_unit = true;
     }
 
     /// `G65 P9000 A1 B2`: the letters are variables of the subprogram.
@@ -204,16 +268,13 @@ impl Reader<'_, '_, '_> {
     fn stop_or_path_mode(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> bool {
         let dialect = self.options.dialect;
         match tenths {
-            90 if dialect != Some(Dialect::LinuxCnc) => self.block_stops = true,
+            90 => self.block_stops = true,
             610 if dialect == Some(Dialect::LinuxCnc) => self.modal.path_mode = PathMode::ExactPath,
             610 | 611 => {
                 self.modal.path_mode = PathMode::ExactStop;
                 self.is_unsure_of_stops |= word.value == 61.0 && dialect.is_none();
             }
-            // FANUC's G60 is positioning from one side, which is not read.
-            600 if dialect == Some(Dialect::Siemens) => self.modal.path_mode = PathMode::ExactStop,
-            // The window, fine or coarse, within which a position counts as reached: the tool rests with each of them.
-            6010 | 6020 | 6030 if dialect == Some(Dialect::Siemens) => {}
+            600 => self.modal.path_mode = PathMode::ExactStop,
             640 => {
                 self.modal.path_mode = PathMode::Continuous;
                 let may_have = if self.may_be(&[Dialect::LinuxCnc]) { &b"PQ"[..] } else { &[] };
@@ -222,12 +283,11 @@ impl Reader<'_, '_, '_> {
                 }
             }
             // Rounding at the ends of blocks.
-            6410 | 6420 | 6430 | 6440 | 6450 if dialect == Some(Dialect::Siemens) => {
+            6410 | 6420 | 6430 | 6440 | 6450 => {
                 self.report.warning(word.span, "blocks are rounded: the path is taken as commanded");
                 self.modal.path_mode = PathMode::Continuous;
             }
-            // In Siemens programs these words have other meanings.
-            620 | 630 if dialect == Some(Dialect::Fanuc) => {
+            620 | 630 => {
                 self.report
                     .warning(word.span, "a cutting mode that changes feeds: they are taken as commanded");
                 self.modal.path_mode = PathMode::Continuous;
@@ -237,28 +297,40 @@ impl Reader<'_, '_, '_> {
                     word.span,
                     "a dwell: the tool rests here, and for how long is no part of the path",
                 );
-                for letter in *b"PXFS" {
-                    block.take_letter(letter);
+                // LinuxCNC's time is P, FANUC's P or X, Siemens' F or S.
+                let letters: &[u8] = match dialect {
+                    Some(Dialect::LinuxCnc) => b"P",
+                    None if block.has(b'P') => b"P",
+                    Some(Dialect::Fanuc) => b"PX",
+                    _ => b"PXFS",
+                };
+                for letter in letters {
+                    block.take_letter(*letter);
                 }
                 self.rest();
+                self.leave_unheld(word.span, true);
             }
             _ => return false,
         }
         true
     }
 
-    /// Whether a word is a setting that does not affect the path, or switches off a function that is not read.
-    fn is_aside(&mut self, block: &Block<'_>, tenths: u16) -> bool {
+    /// Whether a word does not affect the path in this block.
+    fn is_aside(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> bool {
         match tenths {
-            // The coordinate setting of lathes.
-            500 => !block.has_axis(),
-            400 | 490 | 690 | 970 | 430 => true,
-            // Of printers: the bed is measured, filament is pulled and pushed.
-            290 | 100 | 110 if self.others.is_printer => true,
-            80 => self.may_be(&[Dialect::LinuxCnc]),
-            131 | 150 | 230 | 250 | 401 | 670 => self.may_be(&[Dialect::Fanuc]),
-            501 => self.may_be(&[Dialect::Fanuc]) && !block.has_axis(),
-            4500 | 4510 | 5000 => self.may_be(&[Dialect::Siemens]),
+            // G50 with axes is the coordinate setting of lathes.
+            500 | 501 => !block.has_axis(),
+            // A printer measures its bed; FANUC's G29 has axes.
+            290 if self.others.is_printer || self.options.dialect.is_none() && !block.has_axis() => {
+                block.clear();
+                self.leave_unheld(word.span, true);
+                true
+            }
+            // It pulls and pushes filament.
+            100 | 110 if self.others.is_printer => {
+                self.leave_unheld(word.span, true);
+                true
+            }
             _ => false,
         }
     }
@@ -266,61 +338,6 @@ impl Reader<'_, '_, '_> {
     /// Whether the program can be in one of these dialects.
     fn may_be(&self, dialects: &[Dialect]) -> bool {
         self.options.dialect.is_none_or(|dialect| dialects.contains(&dialect))
-    }
-
-    /// A G word that is not read: an error; or, for a lenient reader, the words of the block that it leaves out are
-    /// stored.
-    fn unread_word(&mut self, word: Word) -> Result<Option<Motion>, ()> {
-        if self.options.lenient {
-            if let Some(other) = self.unread.replace(word.span) {
-                let text = self.report.source.slice(other).to_owned();
-                let message = format!("`{text}` is not read");
-                self.report.of_kind(false, other, text, message);
-            }
-            return Ok(moves(word.value).then_some(Motion::Unread));
-        }
-        let text = self.report.source.slice(word.span);
-        let message = if matches!(code(word.value), Some(410..=429)) {
-            format!("cutter compensation, `{text}`, is not read")
-        } else {
-            format!("`{text}` is not read")
-        };
-        self.report
-            .of_kind(true, word.span, format!("G{}", word.value), message)
-            .expected("a motion, G0 to G3 or a spline, or a setting such as G17 to G21, G90, G91, G93 or G94")
-            .hint("`--lenient` reads over it and says what of its block is left out");
-        Err(())
-    }
-
-    /// Leaves out the rest of a block that `by` makes unreadable, or that continues a motion that is not read.
-    pub(crate) fn leave_out(&mut self, block: &mut Block<'_>, by: Option<Span>) {
-        let span = by.unwrap_or(block.span);
-        let word = by.map(|by| format!("`{}` is not read", self.report.source.slice(by)));
-        if self.modal.motion.is_spline() {
-            let message = word.unwrap_or_default();
-            self.report.error(span, message).expected("no such word in a spline: its points would be others");
-            block.clear();
-            return;
-        }
-        for axis in (0..3).filter(|axis| block.has(b"XYZ"[*axis])) {
-            if self.modal.position[axis].is_some() {
-                self.unknown_from[axis] = self.part.curves.len();
-            }
-            self.modal.forget(axis);
-        }
-        let moves = block.has_axis();
-        let words = block.texts(&self.report.source).join(" ");
-        block.clear();
-        let message = match word {
-            Some(word) if words.is_empty() => word,
-            Some(word) => format!("{word}: {words} left out of its block"),
-            None if words.is_empty() => return,
-            None => format!("{words} left out: the motion in force is not read"),
-        };
-        let warning = self.report.warning(span, message);
-        if moves {
-            warning.hint("where these axes are is not known until a move in G90 names them");
-        }
     }
 
     /// G90. If incremental words moved an axis from an unknown place, that place matters from here on.
@@ -356,7 +373,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Checks that a spline is of the program's dialect.
+    /// Checks that a curve is of the program's dialect.
     fn belongs(&mut self, block: &Block<'_>, motion: Motion, span: Span) -> Option<()> {
         let own = match motion {
             Motion::FanucNurbs if block.has(b'Q') || self.options.dialect == Some(Dialect::LinuxCnc) => {
@@ -364,7 +381,7 @@ impl Reader<'_, '_, '_> {
             }
             Motion::FanucNurbs => Dialect::Fanuc,
             Motion::Cubic | Motion::Quadratic | Motion::LinuxCncNurbs => Dialect::LinuxCnc,
-            Motion::Bspline => Dialect::Siemens,
+            Motion::Bspline | Motion::ThroughPoint | Motion::Tangent => Dialect::Siemens,
             _ => return Some(()),
         };
         if own == Dialect::LinuxCnc && self.options.dialect.is_none() && self.is_unsure_of_stops {
@@ -378,8 +395,11 @@ impl Reader<'_, '_, '_> {
         }
         let text = self.report.source.slice(span).to_owned();
         self.report
-            .error(span, format!("`{text}` is a spline of {own}, and the program is read as {dialect}"))
-            .expected(format!("splines of {dialect} only"));
+            .error(
+                span,
+                format!("`{text}` is a {} of {own}, and the program is read as {dialect}", motion.kind()),
+            )
+            .expected(format!("words of {dialect} only"));
         self.modal.motion = Motion::Broken;
         None
     }
@@ -397,7 +417,7 @@ struct Setting {
 /// The modal groups other than the motions: for each setting, ten times the numbers of its words.
 const GROUPS: [(&str, &[&[u16]]); 6] = [
     ("planes", &[&[170], &[180], &[190]]),
-    ("units", &[&[200, 700], &[210, 710]]),
+    ("units", &[&[200, 700], &[210, 710], &[7000], &[7100]]),
     ("kinds of coordinates", &[&[900], &[910]]),
     ("kinds of arc centres", &[&[901], &[911]]),
     ("kinds of feed", &[&[930], &[940], &[950]]),
@@ -419,11 +439,6 @@ impl Setting {
     fn contradicts(self, other: Self) -> bool {
         self.group == other.group && self.index != other.index
     }
-}
-
-/// Whether a G word that is not read is a motion that stays in force: threads, probing, cycles, and other curves.
-fn moves(value: f64) -> bool {
-    code(value).is_some_and(|code| matches!(code / 10, 2 | 3 | 32..=35 | 38 | 76 | 87 | 331 | 332))
 }
 
 /// Ten times a G number: 62 for G06.2. `None` for finer fractions and for numbers that no G word has.

@@ -6,7 +6,7 @@ use crate::gcode::lexer;
 use crate::gcode::line::{Line, Tape};
 use crate::gcode::reader::Reader;
 use crate::gcode::scope::Scope;
-use crate::options::ReadOptions;
+use crate::options::{Dialect, ReadOptions};
 use crate::part::Part;
 use crate::source::Span;
 
@@ -19,7 +19,11 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         corner.say_unmet(reader.report);
     }
     reader.report.within = None;
+    if let Some(span) = reader.cut_speed_from.filter(|_| !reader.names_y) {
+        reader.refuse_lathe(span, "G96 keeps the speed of the cut, and nothing moves on Y");
+    }
     reader.close(Span::new(length, length));
+    reader.part.left_out = reader.unheld.words().map(|(_, words)| words);
     reader.part.unit_is_assumed = !reader.names_unit && options.unit.is_none();
     part.feedrate_mm_per_s = part.highest_feedrate();
     if part.curves.is_empty() && !report.has_errors() {
@@ -38,19 +42,28 @@ impl Reader<'_, '_, '_> {
         let (mut read, mut tape) = (Line::default(), Tape::default());
         while let Some(index) = self.flow.advance(self.report) {
             let (start, line) = self.report.source.line(index);
-            let scope =
-                Scope { variables: &self.variables, modal: &self.modal, dialect: self.options.dialect };
-            lexer::read_line(self.report, self.options.lenient, scope, &mut tape, start, line, &mut read);
-            self.line(&mut read);
+            let mut begin = 0;
+            while let Some((next, goes_elsewhere)) =
+                self.next_block(&mut read, &mut tape, start + begin, &line[begin..])
+            {
+                begin += next;
+                if goes_elsewhere {
+                    let span = Span::new(start + begin, start + line.trim_end().len());
+                    self.report
+                        .error(span, "a block behind a jump or a call, on its line")
+                        .expected("one of these blocks a line");
+                    break;
+                }
+            }
             if self.is_full() {
                 let span = Span::new(start, start + line.trim_end().len());
                 let message = "the program makes more curves than are taken";
                 self.report.error(span, message).expected("fewer turns of arcs, holes and repeated lines");
                 return;
             }
-            let behind = read.ended.unwrap_or(line.len());
             self.ended |= read.ended.is_some();
             if self.ended {
+                let behind = read.ended.or(read.next_block).map_or(line.len(), |at| begin + at);
                 self.look_behind_the_end(start + behind, &line[behind..], index);
                 return;
             }
@@ -61,6 +74,35 @@ impl Reader<'_, '_, '_> {
                 .error(Span::new(end, end), "the program ends within a subprogram")
                 .expected("M99 or endsub at the end of the subprogram");
         }
+    }
+
+    /// Executes the block that begins a text. If FANUC's `;` ends it and another follows, returns where that begins, and
+    /// whether this one has a command that leads elsewhere.
+    fn next_block(
+        &mut self,
+        read: &mut Line,
+        tape: &mut Tape,
+        start: usize,
+        text: &str,
+    ) -> Option<(usize, bool)> {
+        let scope = Scope { variables: &self.variables, modal: &self.modal, dialect: self.options.dialect };
+        lexer::read_line(self.report, self.options.lenient, scope, tape, start, text, read);
+        let has_command = read.command.is_some();
+        self.line(read);
+        if self.options.dialect != Some(Dialect::Fanuc) {
+            read.next_block = None;
+        }
+        let next = read.next_block.filter(|_| read.ended.is_none() && !self.ended)?;
+        if text[next..].trim_matches([' ', '\t', '\r', '\n', ';']).is_empty() {
+            return None;
+        }
+        if self.is_declared {
+            return Some((next, has_command || self.flow.has_jumped()));
+        }
+        let message = "what follows is read as a comment: `;` ends a block of fanuc";
+        let span = Span::new(start + next - 1, start + next);
+        self.report.of_kind(false, span, ';', message).hint("with `--dialect fanuc` it does");
+        None
     }
 
     /// Executes the words and the command of a line.
@@ -74,6 +116,12 @@ impl Reader<'_, '_, '_> {
         }
         for (variable, value) in read.assignments.drain(..) {
             self.variables.set(variable, value);
+        }
+        self.flags.clone_from(&read.flags);
+        self.others.is_printer |= !self.flags.is_empty();
+        self.unread_name = read.unread;
+        if read.words.is_empty() && read.unread.is_some() {
+            self.lose_track_of_all();
         }
         self.block(&mut read.words);
         if let Some((command, span)) = read.command.take() {

@@ -8,11 +8,13 @@ use crate::gcode::block::Block;
 use crate::gcode::corner::Corner;
 use crate::gcode::cycle::Holes;
 use crate::gcode::flow::Flow;
+use crate::gcode::frame::Frame;
 use crate::gcode::modal::{Modal, WORK_OFFSETS};
 use crate::gcode::other_axes::OtherAxes;
 use crate::gcode::placing::Placing;
 use crate::gcode::spline::Spline;
 use crate::gcode::variables::Variables;
+use crate::kinds::Kinds;
 use crate::moves::{Move, MoveKind, Shape};
 use crate::options::{Dialect, ReadOptions, Unit};
 use crate::part::Part;
@@ -57,10 +59,23 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) block_number: u32,
     /// The first curve on which each axis is unknown, while it is.
     pub(crate) unknown_from: [usize; 3],
+    /// Whether the control was named, and not found out.
+    pub(crate) is_declared: bool,
     /// Whether the program is declared as FANUC's, and no length without a decimal point has been found yet.
     pub(crate) whole_units: bool,
+    /// A name of the block that is not read, or a character.
+    pub(crate) unread_name: Option<Span>,
+    /// What ends turned or scaled coordinates that are not read, or calls at every place, while they are in force.
+    pub(crate) unread_frame: Option<Frame>,
     /// A G word of the block that is skipped.
     pub(crate) unread: Option<Span>,
+    /// The first G96. On a lathe, whose programs never name Y, it means that X is a diameter.
+    pub(crate) cut_speed_from: Option<Span>,
+    pub(crate) names_y: bool,
+    /// Words that the part does not hold.
+    pub(crate) unheld: Kinds,
+    /// Letters of the block that have no number.
+    pub(crate) flags: Vec<u8>,
     /// G9: this block alone ends at rest.
     pub(crate) block_stops: bool,
     /// Whether G61 was read before it was known whether the program is LinuxCNC's.
@@ -79,6 +94,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
     pub(crate) fn new(report: &'r mut Report<'t>, part: &'p mut Part, options: ReadOptions) -> Self {
         let mut modal = Modal::default();
         modal.inches = options.unit == Some(Unit::Inch);
+        modal.feed_in_inches = modal.inches;
         if let Some(start) = options.start_mm {
             modal.position = start.map(Some);
         }
@@ -99,8 +115,15 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             bytes: 0,
             block_number: 0,
             unknown_from: [0; 3],
+            is_declared: options.dialect.is_some(),
             whole_units: options.dialect == Some(Dialect::Fanuc),
+            unread_name: None,
+            unread_frame: None,
             unread: None,
+            cut_speed_from: None,
+            names_y: false,
+            unheld: Kinds::default(),
+            flags: Vec::new(),
             block_stops: false,
             is_unsure_of_stops: false,
             end: PathMode::Continuous,
@@ -167,6 +190,13 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         self.bytes += curve.bytes() + size_of::<Move>();
         let one = Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop: false, line, block };
         self.stops.push(self.part, self.end, curve, one);
+    }
+
+    /// Counts a word that the part does not hold: by its letter, or whole.
+    pub(crate) fn leave_unheld(&mut self, span: Span, is_whole: bool) {
+        let text = self.report.source.slice(span);
+        let text = if is_whole { text } else { text.get(..1).unwrap_or("") };
+        self.unheld.add(&text.to_ascii_uppercase(), span);
     }
 
     /// The place of the block that is executed.

@@ -2,7 +2,8 @@
 //!
 //! `BSPLINE` opens a curve whose first control point is the current position; each block with coordinates adds one,
 //! of weight `PW=` (1 where it is not written). A first block that repeats the current position is that first point,
-//! and so can give it a weight. `SD=` is the degree (3 where it is not written); any other motion ends the curve.
+//! and so can give it a weight. A weight of 0 lets its point have no effect; it is the least that is read, with which
+//! the curve is another by less than the share 1e-8 of the distance of this point. `SD=` is the degree (3 where it is not written); any other motion ends the curve.
 //!
 //! `PL=` in the block of point i is the knot interval `u_{p+i} - u_{p+i-1}`: with points 0 … n the blocks 1 … n-p+1
 //! hold the n-p+1 intervals, and the last p - 1 blocks 0 or nothing. Without any PL= the control spaces the knots by a
@@ -12,6 +13,7 @@
 //! SINUMERIK 840D sl / 828D, Programming Manual Job Planning, "Spline interpolation". The manual does not say which
 //! block's PL= is which interval; this is the order in which CAM systems write them.
 
+use domains::curve::WEIGHT;
 use domains::shown;
 
 use crate::curve::{Curve, MAX_DEGREE};
@@ -69,7 +71,7 @@ impl SiemensSpline {
             }
             return;
         }
-        let weight = weight.map_or(1.0, |word| word.value);
+        let weight = weight.map_or(1.0, |word| if word.value == 0.0 { WEIGHT.least() } else { word.value });
         let here = modal.here();
         let written = block.take_axes();
         let point = modal.target(here, written);

@@ -91,6 +91,16 @@ fn words_behind_a_later_approach_stay_behind_it() {
     }
 }
 
+/// Behind a block that is left out the axes are found one by one: the tool must not be down before it is there.
+#[test]
+fn a_place_that_is_found_again_is_approached_from_above() {
+    let options = ReadOptions { lenient: true, ..ReadOptions::default() };
+    let program = "G0 X0 Y0 Z1\nG1 X5 F300\nG38.2 X10 Y10 Z-2 F100\nG80\nG1 X0 Y0 F100\nX10 Y10 Z-1\nX20\n";
+    for text in written(&read_part_with("p.nc", program, options).unwrap()) {
+        assert!(text.contains("G0 X10. Y10.\nG0 Z-1.\nG1 X20. Y10. Z-1. F100.\n"), "{text}");
+    }
+}
+
 /// A part in the plane Z = 0 was once written without a Z, and so cut at any height at which Z stood.
 #[test]
 fn a_z_of_0_is_written_if_the_program_names_it() {

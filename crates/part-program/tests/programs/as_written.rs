@@ -67,7 +67,13 @@ fn a_print_is_read_and_its_filament_counted() {
     assert_eq!([filament.least_mm, filament.greatest_mm], [0.0, 7.5]);
     let rests: Vec<_> = (1..4).map(|next| part.rest_before(next).is_some()).collect();
     assert_eq!(rests, [false, true, false], "at the retraction alone");
-    assert_eq!(said(&part), [(14, "`SET_PRESSURE_ADVANCE` is a command of the control: it is left out")]);
+    assert_eq!(
+        said(&part),
+        [
+            (14, "`SET_PRESSURE_ADVANCE` is a command of the control: it is left out"),
+            (18, "`M204` sets limits of the printer: those of the machine file hold"),
+        ]
+    );
 }
 
 /// One axis once gave 7,002 lines of messages.

@@ -1,6 +1,6 @@
 //! Drawings and JSON.
 
-use part_program::{Nurbs, Part, Shape, inspect, read_part};
+use part_program::{Nurbs, Part, ReadOptions, Shape, Unit, inspect, read_part, read_part_with};
 use proptest::prelude::*;
 
 fn part(text: &str) -> Part {
@@ -115,11 +115,97 @@ fn what_is_hidden_is_left_out_and_counted() {
     assert_eq!((part.curves.len(), said), (3, expected.to_vec()));
 }
 
+/// What AutoCAD's help says of layers, and what ezdxf's drawing frontend does: a block on a layer that is off shows its entities of
+/// other layers, and on one that is frozen nothing. Layer 0 in a block is the layer of the insert, through blocks within blocks.
+#[test]
+fn a_block_on_a_layer_that_is_off_shows_its_other_layers() {
+    const LAYERS: &str =
+        "0 SECTION 2 TABLES 0 TABLE 2 LAYER 70 4 0 LAYER 2 A 70 0 62 7 0 LAYER 2 Off 70 0 62 -7
+        0 LAYER 2 Frz 70 1 62 7 0 LAYER 2 0 70 0 62 7 0 ENDTAB 0 ENDSEC ";
+    const BLOCKS: &str = "0 BLOCK 2 OnA 10 0 20 0 0 LINE 8 A 10 0 20 0 11 100 21 0 0 ENDBLK
+        0 BLOCK 2 On0 10 0 20 0 0 LINE 8 0 10 0 20 0 11 100 21 0 0 LINE 8 Off 10 0 20 0 11 7 21 0 0 ENDBLK
+        0 BLOCK 2 Outer 10 0 20 0 0 INSERT 8 0 2 OnA 10 0 20 0 0 INSERT 8 0 2 On0 10 0 20 0 0 INSERT 8 Off 2 On0 10 0 20 0
+        0 INSERT 8 A 2 On0 10 0 20 0 0 INSERT 8 Frz 2 OnA 10 0 20 0 0 ENDBLK ";
+    let drawn = |insert: &str, layers: &str| {
+        let pairs: String = layers.split_whitespace().map(|word| format!("{word}\n")).collect();
+        let text =
+            with_blocks(BLOCKS, &format!("0 LINE 8 A 10 0 20 0 11 10 21 0 0 INSERT {insert} 10 0 20 0"));
+        let begin = "0\nSECTION\n2\nBLOCKS\n";
+        length(&text.replace(begin, &format!("{pairs}{begin}"))) - 10.0
+    };
+    let layer_0_off = LAYERS.replace("2 0 70 0 62 7", "2 0 70 0 62 -7");
+    for (insert, layers, expected) in [
+        ("8 A 2 OnA", LAYERS, 100.0),
+        ("8 Off 2 OnA", LAYERS, 100.0),
+        ("8 Frz 2 OnA", LAYERS, 0.0),
+        ("8 A 2 On0", LAYERS, 100.0),
+        ("8 Off 2 On0", LAYERS, 0.0),
+        ("8 Frz 2 On0", LAYERS, 0.0),
+        ("8 0 2 OnA", &layer_0_off, 100.0),
+        ("8 0 2 On0", &layer_0_off, 0.0),
+        ("8 A 2 On0", &layer_0_off, 100.0),
+        ("8 A 2 Outer", LAYERS, 300.0),
+        ("8 Off 2 Outer", LAYERS, 200.0),
+        ("8 Frz 2 Outer", LAYERS, 0.0),
+        ("8 0 2 Outer", &layer_0_off, 200.0),
+    ] {
+        near(drawn(insert, layers), expected);
+    }
+}
+
+/// $INSUNITS by the reference; factors by definition: an inch is 25.4 mm, a surveyor's foot 1200/3937 m.
+#[test]
+fn every_unit_of_lengths_has_its_factor() {
+    let line = "0 LINE 8 0 10 0 20 0 11 1000 21 0";
+    for (units, mm) in [
+        (1, 25.4),
+        (2, 304.8),
+        (4, 1.0),
+        (5, 10.0),
+        (6, 1000.0),
+        (8, 2.54e-5),
+        (9, 0.0254),
+        (10, 914.4),
+        (12, 1e-6),
+        (13, 1e-3),
+        (14, 100.0),
+        (15, 1e4),
+        (21, 304.800_609_601_219_2),
+        (22, 25.400_050_800_101_6),
+    ] {
+        near(length(&drawing(units, line)) / 1000.0, mm);
+    }
+    for units in [17, 20, 25] {
+        assert!(refusal(&drawing(units, line)).contains(&format!("in the unit {units}")));
+    }
+}
+
+#[test]
+fn a_given_unit_holds_for_drawings_without_one() {
+    for (units, given, expected) in [
+        (0, Some(Unit::Inch), 254.0),
+        (0, Some(Unit::Millimetre), 10.0),
+        (0, None, 10.0),
+        (4, Some(Unit::Inch), 10.0),
+    ] {
+        let options = ReadOptions { unit: given, ..ReadOptions::default() };
+        let text = drawing(units, "0 LINE 8 0 10 0 20 0 11 10 21 0");
+        for text in [text.clone(), text.replace(&format!("9\n$INSUNITS\n70\n{units}\n"), "")] {
+            if units == 4 && !text.contains("INSUNITS") {
+                continue;
+            }
+            let part = read_part_with("p", &text, options).unwrap();
+            near(inspect(&part).length_mm, expected);
+            assert_eq!(part.warnings.is_empty(), given.is_some());
+        }
+    }
+}
+
 #[test]
 fn faults_of_drawings_are_said_at_their_places() {
     for (text, place, said) in [
         (drawing(2, "0 LINE 10 0 20 0 11 1 21 1"), "", ""),
-        (drawing(3, "0 LINE 10 0 20 0 11 1 21 1"), "p:12:1", "the drawing is in the unit 3"),
+        (drawing(17, "0 LINE 10 0 20 0 11 1 21 1"), "p:12:1", "the drawing is in the unit 17"),
         (drawing(4, ""), "p:1:1", "the drawing holds no curve"),
         (drawing(4, &SPLINE.replace("40 0.25", "40 2")), "p:40:1", "knots decrease: knot 4 is 1, after 2"),
         (drawing(4, &SPLINE.replace("41 2", "41 -2")), "p:48:1", "weight 1 is -2"),
@@ -564,6 +650,33 @@ fn a_binary_drawing_is_the_drawing() {
 const JSON: &str = r#"{"shape": {"type": "curve", "count": 1, "data": [{"type": "spline", "rational": true, "dimension": 2,
  "degree": 2, "knotvector": [0, 0, 0, 0.5, 1, 1, 1], "delta": 0.01,
  "control_points": {"points": [[0, 0], [1, 2.5], [3, 1], [4, 0]], "weights": [1, 2, 0.5, 1]}}]}}"#;
+
+/// geomdl draws a curve from the knot p to the knot n + 1, whatever the others: as a SPLINE of a drawing is drawn.
+#[test]
+fn knots_of_json_need_not_be_clamped() {
+    let json = |knots: &str, points: &str| {
+        format!(
+            r#"{{"shape": {{"type": "curve", "data": [{{"degree": 2, "knotvector": [{knots}], "control_points": {{"points": [{points}]}}}}]}}}}"#
+        )
+    };
+    let spline = |knots: &str, points: &str| {
+        let knots: String = knots.split(", ").map(|knot| format!("40 {knot} ")).collect();
+        let points = points.replace("], [", " 10 ").replace(['[', ']'], "").replace(", ", " 20 ");
+        drawing(4, &format!("0 SPLINE 8 0 70 0 71 2 {knots} 10 {points}"))
+    };
+    let square = "[0, 0], [4, 0], [4, 4], [0, 4], [0, 0], [4, 0]";
+    for (knots, points) in [
+        ("0, 1, 2, 3, 4, 5, 6, 7, 8", square),
+        ("0, 0, 0, 1, 2, 3, 4, 5, 6", square),
+        ("-2, -1, 0, 1, 2, 3, 3, 3, 3", square),
+        ("0, 0, 0, 2, 2, 2, 4, 4, 4", square),
+    ] {
+        let (read, drawn) = (part(&json(knots, points)), part(&spline(knots, points)));
+        assert_eq!(read.curves, drawn.curves, "{knots}");
+    }
+    let flat = refusal(&json("0, 1, 1, 1, 2", "[0, 0], [1, 1]"));
+    assert!(flat.contains("curve 0"), "{flat}");
+}
 
 #[test]
 fn json_as_geomdl_exports_it() {

@@ -176,18 +176,19 @@ fn a_coordinate_that_is_not_written_keeps_its_value() {
 
 #[test]
 fn lenient_reading_lists_what_it_reads_over() {
-    let text = "G0 X0 Y0\nG1 X10 Q7 A5\nCOMPCAD\nG64.7\nX20\n";
+    let text = "G0 X0 Y0\nG1 X10 Q7 A5\nFOOBAR\nG64.7\nX20\n";
     assert_eq!(read_part("p.nc", text).unwrap_err().count(), 4);
     let part =
         read_part_with("p.nc", text, ReadOptions { lenient: true, dialect: None, ..ReadOptions::default() })
             .unwrap();
-    assert_eq!(part.curves.len(), 2);
+    assert_eq!(part.curves.len(), 1);
     let said: Vec<_> = part.warnings.iter().map(|w| (w.line, w.message.as_str())).collect();
     let expected = [
         (2, "`Q7` is no word of G1"),
         (2, "`A5` moves an axis that is not followed while the tool cuts"),
-        (3, "unknown word `COMPCAD`"),
+        (3, "unknown word `FOOBAR`"),
         (4, "`G64.7` is not read"),
+        (5, "left out: where the tool is is not known, since a block before it was left out"),
     ];
     assert_eq!(said, expected);
 }
@@ -296,17 +297,17 @@ fn words_that_switch_nothing_of_the_path_are_read() {
 #[test]
 fn a_word_that_is_not_read_takes_no_modal_word_with_it() {
     let part = lenient("G0 X0 Y0\nG41 D1 G1 X10 F600\nY10\nX20 Y20\nX30\n");
-    let feeds = [[20.0, 10.0, 0.0], [20.0, 20.0, 0.0], [30.0, 20.0, 0.0]];
-    assert_eq!(ends(&part), feeds.map(|end| (MoveKind::Feed, end)));
+    assert_eq!(ends(&part), [(MoveKind::Feed, [30.0, 20.0, 0.0])]);
     assert!(part.moves.iter().all(|one| one.feedrate_mm_per_s == Some(10.0)));
     assert_eq!(part.auxiliary[0].letter, 'D');
-    let lost = "where the tool is on X before this move at feed is not known: its way there is left out";
-    assert_eq!(said(&part), [(2, "`G41` is not read: X10 left out of its block"), (4, lost)]);
+    let lost = "where the tool is on X, Y before this move at feed is not known: its way there is left out";
+    let moves = "left out: where the tool is is not known, since a block before it was left out";
+    assert_eq!(said(&part), [(2, "`G41` is not read: X10 left out of its block"), (3, moves), (4, lost)]);
     let zero = lenient("G21 G0 X5 Y5 Z9\nG28 G91 Z0\nG53 G90 G0 X1 Y1\nG20 G187 P2\nG1 X1 Y1 Z1\nX2\n");
     assert_eq!(ends(&zero), [(MoveKind::Feed, [50.8, 25.4, 25.4])]);
     let lost =
         "where the tool is on X, Y, Z before this move at feed is not known: its way there is left out";
-    assert_eq!(said(&zero), [(4, "`G187` is not read: P2 left out of its block"), (5, lost)]);
+    assert_eq!(said(&zero), [(5, lost)]);
 }
 
 /// The points of a motion that is not read were once read as rapid moves, and so was the motion behind it.
@@ -317,6 +318,7 @@ fn after_a_motion_that_is_not_read_nothing_moves_until_another() {
     let expected = [
         (2, "`G38.2` is not read: X10 Y10 Z-5 left out of its block"),
         (3, "X20 left out: the motion in force is not read"),
+        (6, "left out: where the tool is is not known, since a block before it was left out"),
     ];
     assert_eq!(said(&part), expected);
 }

@@ -20,7 +20,7 @@ const MALFORMED: &[(&str, &str, &str)] = &[
     ("G0 X1 \nG1 F1 F2", "2:7", "`F2`: this address is there twice"),
     ("BSPLIN SD=3", "1:1", "did you mean `BSPLINE`"),
     ("COMPRESSOR", "1:1", "unknown word `COMPRESSOR`"),
-    ("G0 X0 Y0\nG2 X10 I5 J0 AR=90", "2:14", "unknown word `AR=`"),
+    ("G0 X0 Y0\nG2 X10 I5 J0 AR=90", "2:14", "an arc by its angle has its end, or its centre"),
     ("G0 X0 Y0\nG1 ANG=45 X5", "2:4", "unknown word `ANG=`"),
     ("G0 X0 Y0\nG1 X5 RNDM = 2", "2:7", "unknown word `RNDM=`"),
     ("G0 X0 Y0\nG1 X5 ,R0\nG1 Y5", "2:7", "`,R0`: a corner of no size"),
@@ -33,7 +33,7 @@ const MALFORMED: &[(&str, &str, &str)] = &[
         "3:1",
         "the program makes more curves than are taken",
     ),
-    ("G0 X0 Y0\nG1 X5 CHF=1", "2:7", "unknown word `CHF=`"),
+    ("G0 X0 Y0\nG1 X5 CHF=1", "2:7", "no move follows this corner"),
     ("G0 X0 Y0\nG1 X5 POLF=R1", "2:7", "unknown word `POLF=`"),
     // What is computed.
     ("G0 X[1+2", "1:9", "the bracket of this expression is not closed here"),
@@ -113,7 +113,7 @@ const MALFORMED: &[(&str, &str, &str)] = &[
     ("G2 X10 Y0 I5 J0", "1:1", "where this curve starts on X is not known"),
     ("G18 G0 X0 Y0\nG2 X10 I5", "2:1", "where this curve starts on Z is not known"),
     // FANUC.
-    ("G06.2 P4 X0 Y0\n", "1:1", "PS1002"),
+    ("G06.2 P4 X0 Y0\n", "2:1", "PS1005"),
     ("G06.2 P1 K0 X0 Y0\n", "1:7", "order 1 is not supported"),
     ("G06.2 P2.5 K0 X0 Y0\n", "1:7", "order 2.5 is not supported"),
     ("G06.2 P2 K0 X0\nK0 X1\nK1\nG0 X5", "4:1", "PS1004: the curve ends after 1 closing knots"),

@@ -1,4 +1,4 @@
-//! The knot vectors of drawings, converted to the form that controls need: clamped, inner knots at most degree times.
+//! The knot vectors of drawings and of geomdl, converted to the form that controls need: clamped, inner knots at most degree times.
 //!
 //! A curve of degree p with the points `P_0 … P_n` is drawn on `[u_p, u_{n+1}]`, whatever the knots outside. Inserting
 //! a knot a gives the points
@@ -14,7 +14,7 @@
 //! W. Boehm, "Inserting new knots into B-spline curves", Computer-Aided Design 12 (1980); Piegl and Tiller, The NURBS Book,
 //! equation 5.15.
 
-use crate::curve::Nurbs;
+use crate::curve::{CurveFault, Nurbs};
 use crate::vector::{difference, length};
 
 /// A share of the parameter's range within which knots are equal, if the drawing does not give one.
@@ -39,6 +39,11 @@ pub(crate) fn merge_knots(knots: &mut [f64], tolerance: Option<f64>) {
             kept = *knot;
         }
     }
+}
+
+/// Whether a curve has a fault that [`clamped`] mends.
+pub(crate) fn is_of_clamping(fault: &CurveFault) -> bool {
+    matches!(fault, CurveFault::NotClamped { .. } | CurveFault::KnotRepeatsTooOften { .. })
 }
 
 /// The curves that are drawn: several if the curve breaks at a knot. `None` if the range of the parameter is empty. The

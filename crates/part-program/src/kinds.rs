@@ -1,4 +1,4 @@
-//! The entities of a drawing that do not become a path.
+//! What does not become a path, counted by kind: entities of a drawing, words of a program.
 
 use crate::source::Span;
 
@@ -7,26 +7,26 @@ const MAX_KINDS: usize = 30;
 /// Most characters of a name that are shown.
 const MAX_NAME: usize = 40;
 
-/// Kinds of entities, in the order in which they are found, each with its number.
+/// Kinds, in the order in which they are found, each with its number.
 #[derive(Default)]
-pub(crate) struct LeftOut {
+pub(crate) struct Kinds {
     kinds: Vec<(String, usize)>,
-    /// Entities of kinds beyond [`MAX_KINDS`].
+    /// The number of what is of kinds beyond [`MAX_KINDS`].
     others: usize,
     first: Option<Span>,
 }
 
-impl LeftOut {
-    /// Counts an entity.
+impl Kinds {
+    /// Counts one of a kind.
     pub(crate) fn add(&mut self, kind: &str, span: Span) {
         if self.first.is_none_or(|first| span.start < first.start) {
             self.first = Some(span);
         }
-        let kind: String = kind.chars().take(MAX_NAME).collect();
-        if let Some((_, count)) = self.kinds.iter_mut().find(|(name, _)| *name == kind) {
+        let kind = kind.char_indices().nth(MAX_NAME).map_or(kind, |(end, _)| &kind[..end]);
+        if let Some((_, count)) = self.kinds.iter_mut().find(|(name, _)| name == kind) {
             *count += 1;
         } else if self.kinds.len() < MAX_KINDS {
-            self.kinds.push((kind, 1));
+            self.kinds.push((kind.to_owned(), 1));
         } else {
             self.others += 1;
         }
