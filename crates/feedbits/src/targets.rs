@@ -141,13 +141,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 
 fn list(targets: &[Target], wide: bool) -> String {
     let clock = |target: &Target| {
-        let clock = target.clock.iter().map(|clock| match (&clock.numbers, clock.max_bits) {
-            (Some(format), _) => format!("{} {format}", clock.mhz.range().typical),
-            (None, Some(bits)) => format!("{} to {bits} bits", clock.mhz.range().typical),
-            (None, None) => clock.mhz.range().typical.to_string(),
-        });
-        let clock = clock.collect::<Vec<_>>().join(", ");
-        if clock.is_empty() { "unknown".to_string() } else { clock }
+        let mhz = || target.clock.iter().map(|clock| clock.mhz.range().typical);
+        match mhz().reduce(f64::min).zip(mhz().reduce(f64::max)) {
+            Some((least, most)) if least < most => format!("{least} to {most}, by format"),
+            Some((only, _)) => only.to_string(),
+            None => "unknown".to_string(),
+        }
     };
     let row = |target: &Target| {
         let mut cells = vec![target.name.clone(), target.title.clone()];

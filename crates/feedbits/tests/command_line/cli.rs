@@ -329,9 +329,8 @@ fn rapid_moves_alone_are_not_good() {
     let folder = folder();
     let part = written(folder.path(), "r.nc", "G0 X0 Y0\nX10 Y5\nX30\n");
     for command in ["compare", "size", "plan", "interpolate", "compile", "servo", "sweep", "smooth"] {
-        let more = ["--tolerance", "0.01"];
-        let more = if command == "smooth" { &more[..] } else { &[] };
-        let words = [&[command, &part, "--machine", &data("seed-000.toml")][..], more].concat();
+        let more: &[&str] = if command == "smooth" { &["--tolerance", "0.01"] } else { &[] };
+        let words = [&[command, &part, "--machine", "router"], more].concat();
         let output = feedbits_in(folder.path(), &words);
         let said = unfolded(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{command}: {said}");
