@@ -82,7 +82,7 @@ pub const DSP_BLOCKS: Key = Key::whole("operation.dsp_blocks", [0, 1024], "", "D
 
 /// LUTs.
 pub const LUTS: Key =
-    Key::whole("operation.luts", [0, 1_000_000], "", "LUTs in a unit, in the widest format of this row")
+    Key::whole("operation.luts", [0, 1_000_000], "", "LUTs in a unit, in the format of this row that takes most")
         .or(0.0);
 
 /// The keys of a target file. Each table `[[clock]]`, `[[unit]]` and `[[operation]]` also names its `source` or `name`.

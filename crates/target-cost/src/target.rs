@@ -151,7 +151,7 @@ pub struct Row {
     /// DSP blocks in a unit.
     #[serde(default)]
     pub dsp_blocks: u32,
-    /// LUTs in a unit, in the widest format of the row.
+    /// LUTs in a unit, in the format of the row that takes most.
     #[serde(default)]
     pub luts: u32,
     /// Manual and table, or the derivation.

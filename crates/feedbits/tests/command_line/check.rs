@@ -84,7 +84,7 @@ fn what_is_suspicious_is_exit_status_1() {
         ("twice.toml", curve("[[0, 0], [0, 0], [100, 0]]", ""), "control points 0 and 1 are the same"),
         ("late.nc", "G0 X0 Y0\nG1 X9\nG1 X19 F600\n".into(), "line 2: no feedrate is commanded"),
         ("sharp.nc", "G0 X0 Y0 F12000\nG3 X0.02 R0.01\n".into(), "less than a tenth of the feed: line 2"),
-        ("bent.nc", "G0 X0 Y0 F600\nG3 X10 Y0.03 I5 J0\n".into(), "read over, or arc bent to fit: line 2"),
+        ("bent.nc", "G0 X0 Y0 F600\nG3 X10.02 Y0 I5 J0\n".into(), "read over, or arc bent to fit: line 2"),
         (
             "corner.nc",
             "G0 X0 Y0 F600\nG06.2 P3 K0 X0 Y0\nK0 X5\nK0 X9\nK1 X9 Y2\nK1 Y9\nK2\nK2\nK2\n".into(),

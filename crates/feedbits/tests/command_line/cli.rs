@@ -329,7 +329,11 @@ fn rapid_moves_alone_are_not_good() {
     let folder = folder();
     let part = written(folder.path(), "r.nc", "G0 X0 Y0\nX10 Y5\nX30\n");
     for command in ["compare", "size", "plan", "interpolate", "compile", "servo", "sweep", "smooth"] {
-        let more: &[&str] = if command == "smooth" { &["--tolerance", "0.01"] } else { &[] };
+        let more: &[&str] = match command {
+            "smooth" => &["--tolerance", "0.01"],
+            "interpolate" | "compile" => &["--format", "f64"],
+            _ => &[],
+        };
         let words = [&[command, &part, "--machine", "router"], more].concat();
         let output = feedbits_in(folder.path(), &words);
         let said = unfolded(&output.stderr);
