@@ -320,6 +320,7 @@ mod tests {
             busy,
             unit: unit.map(String::from),
             dsp_blocks: u32::from(unit == Some("multiplier")) * 4,
+            luts: 0,
             source: "a test".into(),
             confidence: Confidence::High,
         }
