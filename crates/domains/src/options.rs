@@ -113,6 +113,8 @@ pub const WORSE_BY: Key = Key::number(
 pub const MULTIPLIERS: Key = like("--multipliers", crate::target::UNITS, "multipliers on an FPGA");
 /// Dividers of an FPGA.
 pub const DIVIDERS: Key = like("--dividers", crate::target::UNITS, "dividers on an FPGA");
+/// The clock of a target.
+pub const CLOCK: Key = like("--clock", crate::target::CLOCK, "the clock of every target");
 /// Where the tool is.
 pub const START: Key = Key {
     name: "--start",
@@ -122,7 +124,7 @@ pub const START: Key = Key {
 };
 
 /// The options.
-pub const KEYS: [Key; 32] = [
+pub const KEYS: [Key; 33] = [
     START,
     PIECE_LENGTH,
     START_FEED,
@@ -155,4 +157,5 @@ pub const KEYS: [Key; 32] = [
     WORSE_BY,
     MULTIPLIERS,
     DIVIDERS,
+    CLOCK,
 ];

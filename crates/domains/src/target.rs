@@ -44,7 +44,18 @@ pub const CALIBRATED: Key = Key {
 pub const CLOCK_BITS: Key =
     Key::whole("clock.max_bits", BITS, "", "the widest format of this clock").optional("every format");
 /// A clock, from a kilohertz to a terahertz.
-pub const CLOCK: Key = Key::number("clock.mhz", Domain::of(1e-3, 1e6, "MHz"), "the clock");
+pub const CLOCK: Key = Key::number(
+    "clock.mhz",
+    Domain::of(1e-3, 1e6, "MHz"),
+    "the clock, or its `low`, `typical` and `high` in this order",
+);
+/// The only format of a clock.
+pub const CLOCK_NUMBERS: Key = Key {
+    name: "clock.numbers",
+    value: Value::Text,
+    left_out: LeftOut::Words("every format"),
+    meaning: "the only format of this clock, by its name",
+};
 /// How many of a unit.
 pub const UNITS: Key = Key::whole("unit.count", [1, 65_536], "", "how many of this unit there are");
 /// The widest format of a row.
@@ -69,14 +80,20 @@ pub const BUSY: Key =
 /// DSP blocks.
 pub const DSP_BLOCKS: Key = Key::whole("operation.dsp_blocks", [0, 1024], "", "DSP blocks in a unit").or(0.0);
 
+/// LUTs.
+pub const LUTS: Key =
+    Key::whole("operation.luts", [0, 1_000_000], "", "LUTs in a unit, in the format of this row that takes most")
+        .or(0.0);
+
 /// The keys of a target file. Each table `[[clock]]`, `[[unit]]` and `[[operation]]` also names its `source` or `name`.
-pub const KEYS: [Key; 15] = [
+pub const KEYS: [Key; 17] = [
     NAME,
     TITLE,
     KIND,
     MEASURE,
     ISSUE_PER_CYCLE,
     CALIBRATED,
+    CLOCK_NUMBERS,
     CLOCK_BITS,
     CLOCK,
     UNITS,
@@ -86,4 +103,5 @@ pub const KEYS: [Key; 15] = [
     PER_FRACTION_BIT,
     BUSY,
     DSP_BLOCKS,
+    LUTS,
 ];

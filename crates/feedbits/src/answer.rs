@@ -5,6 +5,7 @@ use std::fmt::Write;
 use foreign_text::in_a_line;
 use format_compare::{Comparison, Cost, Engine, FewestBits, JudgedRun, Requirement, Verdict};
 
+use crate::period_costs::as_cheap;
 use crate::screen::{self, BAD, COLUMNS, GOOD, duration, list, short, times, times_short};
 
 /// The answer, and a line for each format that ran by one of `engines`. If there is a `target`, the recommended format
@@ -95,7 +96,7 @@ fn answer(comparison: &Comparison, target: Option<&str>) -> String {
         text,
         "Recommended: {}, {}",
         named(best),
-        target.map_or_else(|| by_bits(best, &good), |target| by_cost(best, &good, target))
+        target.map_or_else(|| by_bits(best, &good), |target| by_cost(comparison, best, target))
     );
     if let Some(second) = good.iter().find(|row| row.format != best.format) {
         let _ = write!(text, " Second best: {}.", named(second));
@@ -115,28 +116,25 @@ fn by_bits(best: &JudgedRun, good: &[&JudgedRun]) -> String {
     format!("{why}; --targets goes by what a period costs.")
 }
 
-/// Why the format that is cheapest on a target is first, and which others may be as cheap, since the ranges of their
-/// costs overlap.
-fn by_cost(best: &JudgedRun, good: &[&JudgedRun], target: &str) -> String {
+/// Why the format that is cheapest on a target is first, and which others may be as cheap, since nothing says that they are dearer.
+fn by_cost(comparison: &Comparison, best: &JudgedRun, target: &str) -> String {
     let Some(Cost::Known(cost)) = best.cycles.get(target) else {
         return "though its cost on the target is not known.".to_string();
     };
-    let may_be_as_cheap = |row: &JudgedRun| match row.cycles.get(target) {
-        Some(Cost::Known(other)) => {
-            other.dsp_blocks == cost.dsp_blocks && other.max_range[0] <= cost.max_range[1]
+    let as_cheap = as_cheap(comparison, best, target);
+    let is_alone = as_cheap.is_empty();
+    let what = match (cost.dsp_blocks, cost.luts) {
+        (Some(blocks), Some(luts)) => {
+            let size = format!("with {blocks} DSP blocks and {luts} LUTs");
+            if is_alone { format!("{size} the smallest on {target}") } else { format!("{size} on {target}") }
         }
-        _ => false,
+        _ if is_alone => format!("whose longest period is the shortest on {target}"),
+        _ => format!("whose longest period is typically the shortest on {target}"),
     };
-    let as_cheap = good.iter().filter(|row| row.format != best.format && may_be_as_cheap(row));
-    let as_cheap: Vec<_> = as_cheap.map(|row| row.format.as_str()).collect();
-    let what = match cost.dsp_blocks {
-        Some(blocks) => format!("with {blocks} DSP blocks the smallest on {target}"),
-        None => format!("whose longest period is the shortest on {target}"),
-    };
-    if as_cheap.is_empty() {
+    if is_alone {
         return format!("{what}.");
     }
-    format!("{what}, if not by much: the range of its cost overlaps that of {}.", list(&as_cheap))
+    format!("{what}; {} may cost as little there.", list(&as_cheap))
 }
 
 fn name_width(rows: &[&JudgedRun]) -> usize {

@@ -1,7 +1,7 @@
 //! `--baseline`: the figures of a run beside those of an earlier one.
 //!
 //! The JSON of an earlier run is the baseline. Figures of which less is better are compared one by one, and a format
-//! that was good must still be.
+//! that was good must still be. A part is known by its text and a machine by its values, whatever their names.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,11 +9,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use domains::options::WORSE_BY;
-use part_program::Machine;
+use format_compare::{Engine, Machine};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
+use target_cost::Target;
 
 use crate::ending::Ending;
+use crate::input::Text;
 use crate::numbers::number;
 use crate::{files, output};
 
@@ -28,19 +30,25 @@ const NEGLIGIBLE: f64 = 1e-3;
 struct Versioned<'a, T> {
     schema: u64,
     command: &'a str,
+    part_crc32: String,
     #[serde(flatten)]
     result: &'a T,
 }
 
-/// The result of `command` as JSON.
-pub(crate) fn json<T: Serialize>(command: &str, result: &T) -> Result<String> {
-    Ok(serde_json::to_string_pretty(&Versioned { schema: SCHEMA, command, result })? + "\n")
+/// The result of `command` as JSON, with the checksum of its part.
+pub(crate) fn json<T: Serialize>(command: &str, part: u32, result: &T) -> Result<String> {
+    let part_crc32 = checksum(part);
+    Ok(serde_json::to_string_pretty(&Versioned { schema: SCHEMA, command, part_crc32, result })? + "\n")
+}
+
+fn checksum(part: u32) -> String {
+    format!("{part:08x}")
 }
 
 /// Options of a command whose result can be compared with an earlier one.
 #[derive(Args)]
 pub(crate) struct BaselineArguments {
-    /// The JSON of an earlier run of this command: end with status 1 if a figure has got worse since.
+    /// The JSON of an earlier run of this command: end with status 3 if a figure has got worse since.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     /// By how much a figure may grow over the baseline's, in per cent.
@@ -68,12 +76,13 @@ impl BaselineArguments {
         self.baseline.is_some()
     }
 
-    /// The baseline that is asked for, if it is one of `command`.
-    pub(crate) fn read(&self, command: &str) -> Result<Option<Baseline>> {
+    /// The baseline that is asked for, if it is one of `command` for this part.
+    pub(crate) fn read(&self, command: &str, part: &Text) -> Result<Option<Baseline>> {
         let Some(path) = &self.baseline else { return Ok(None) };
         let text = files::text("--baseline", path, files::MOST_OF_RESULT)?;
         let result: Value = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
         expect_result_of(command, &result, path)?;
+        expect_part(part, &result, path)?;
         Ok(Some(Baseline { path: path.clone(), result, share: self.worse_by / 100.0 }))
     }
 }
@@ -92,6 +101,19 @@ fn expect_result_of(command: &str, result: &Value, path: &Path) -> Result<()> {
             "{path}: \"command\" is \"{}\": expected what `feedbits {command} --json` prints",
             found.unwrap_or_default()
         ),
+    }
+}
+
+/// Refuses a baseline of another part, before this one is read.
+fn expect_part(part: &Text, result: &Value, path: &Path) -> Result<()> {
+    let (path, name) = (path.display(), &result["part"]["name"]);
+    match result["part_crc32"].as_str() {
+        Some(old) if old == checksum(part.checksum()) => Ok(()),
+        Some(_) => bail!(
+            "{path} is of the part {name}, and {:?} has another text, or is read by other options: expected the part of the baseline",
+            part.name
+        ),
+        None => bail!("{path}: no \"part_crc32\", by which a part is known: make the baseline again"),
     }
 }
 
@@ -129,7 +151,7 @@ impl Figure {
 }
 
 impl Baseline {
-    /// Says which figures of `result` are worse than those of the baseline. The ending is not good if one is.
+    /// Says which figures of `result` are worse than those of the baseline. A good ending is [`Ending::WorseThanBaseline`] if one is.
     pub(crate) fn judge<T: Serialize>(&self, result: &T, ending: Ending) -> Result<Ending> {
         let (before, now) = (figures(&self.result), figures(&serde_json::to_value(result)?));
         let compared = |(name, old): (&String, &Figure)| match now.get(name) {
@@ -150,21 +172,39 @@ impl Baseline {
         }
         output::say(&format!("feedbits: more than {per_cent} % worse than in {path}:"));
         worse.iter().for_each(|line| output::say(&format!("  {line}")));
-        Ok(Ending::RequirementNotMet)
+        Ok(if ending == Ending::Good { Ending::WorseThanBaseline } else { ending })
     }
 
-    /// Before any work, refuses a baseline of another part or machine.
-    pub(crate) fn expect_question(&self, part: &str, machine: &Machine) -> Result<()> {
+    /// Before any work, refuses a baseline of another machine.
+    pub(crate) fn expect_machine(&self, machine: &Machine) -> Result<()> {
         let path = self.path.display();
-        let old = &self.result["part"]["name"];
-        if old != part {
-            bail!("{path} is of the part {old}, and this run is of {part:?}");
-        }
-        let machine = serde_json::to_value(machine)?;
-        for (key, old) in self.result["machine"].as_object().into_iter().flatten() {
-            let new = &machine[key];
+        let (old, new) = (&self.result["machine"], serde_json::to_value(machine)?);
+        let keys = [old, &new].into_iter().filter_map(Value::as_object).flat_map(|values| values.keys());
+        for key in keys {
+            let [old, new] = [old, &new].map(|values| &values[key]);
             if old != new {
                 bail!("{path} was made with {key} = {old} in the machine file, and this run with {new}");
+            }
+        }
+        Ok(())
+    }
+
+    /// Before any work, refuses a baseline with runs or costs that this comparison leaves out.
+    pub(crate) fn expect_runs(&self, runs: &[(String, Engine)], targets: &[Target]) -> Result<()> {
+        let path = self.path.display();
+        let runs: Vec<Value> =
+            runs.iter().map(|(format, engine)| json!({"format": format, "engine": engine})).collect();
+        for old in self.result["formats"].as_array().into_iter().flatten() {
+            let (format, engine) = (&old["format"], &old["engine"]);
+            if !runs.contains(&json!({"format": format, "engine": engine})) {
+                bail!(
+                    "{path} has a run in {format} by {engine}, and this comparison has none: give the options of the baseline"
+                );
+            }
+            for name in old["cycles"].as_object().into_iter().flat_map(|costs| costs.keys()) {
+                if !targets.iter().any(|target| target.name == *name) {
+                    bail!("{path} has costs on {name}, and this comparison has none: give --targets {name}");
+                }
             }
         }
         Ok(())

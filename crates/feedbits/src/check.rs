@@ -1,9 +1,11 @@
 //! `feedbits check`: the contents of a file, and anything suspicious in it.
 //!
-//! *Suspicious* is what a programmer rarely intends: a gap; a move without length or shorter than the axes resolve; a
-//! spline with a corner or a cusp inside; weights or knots over many decades; a missing feedrate; a bend that takes
-//! nine tenths of the feed; words that are skipped; arcs bent to fit. Corners between moves, moves shorter than a
-//! period's travel and bends that slow the machine down occur in most programs: they are counted, not judged.
+//! *Suspicious* is what a programmer rarely intends: a gap; a spline with a corner or a cusp inside; weights or knots over
+//! many decades; a missing feedrate; a bend that takes nine tenths of the feed; words that are skipped; arcs bent to fit;
+//! rapid moves alone. *Noted* is what changes nothing of the path, and is suspicious with `--strict` alone: words beside the path,
+//! such as a dwell's time; moves without length or shorter than the axes resolve; an approach from an unknown place. Corners
+//! between moves, moves shorter than a period's travel and bends that slow the machine down occur in most programs: they are
+//! counted, not judged.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -13,7 +15,7 @@ use clap::Args;
 use feed_plan::chord_feedrate;
 use part_program::{
     Bend, Diagnostic, Diagnostics, GAP_MM, Inspection, Joint, Machine, MoveKind, Oddity, Part, Remark,
-    inspect,
+    Severity, inspect,
 };
 use serde::Serialize;
 
@@ -25,12 +27,13 @@ use crate::screen::{self, labelled, short};
 
 /// Options of `check`.
 #[derive(Args)]
-#[command(
-    after_help = "Exit status: 0 nothing suspicious, 1 something suspicious, 2 bad input (every error is printed) or usage."
-)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     input: Input,
+    /// Take as suspicious what is only noted too: a dwell's time, a tolerance of G64, an optional block, a setting of the control, an
+    /// approach from an unknown place, moves of no length or next to none.
+    #[arg(long)]
+    strict: bool,
     #[command(flatten)]
     output: output::Output,
 }
@@ -44,7 +47,7 @@ const LEAST_SHARE_OF_FEED: f64 = 0.1;
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let (output, place) = (&arguments.output, arguments.output.place()?);
     let progress = Progress::spinning("reading and measuring");
-    let part = match arguments.input.parsed()? {
+    let part = match arguments.input.text()?.parsed() {
         Ok(part) => part,
         Err(errors) => {
             progress.finish();
@@ -57,7 +60,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         }
     };
     let machine = arguments.input.machine_of(&part)?;
-    let report = Report::new(&part, machine.as_ref());
+    let report = Report::new(&part, machine.as_ref(), arguments.strict);
     progress.finish();
     if output.json {
         // Item by item: a joint of a program of ten bytes a move takes three hundred.
@@ -109,6 +112,8 @@ struct Report<'p> {
     warnings: &'p [Diagnostic],
     /// The suspicious things, a sentence for each. They decide the exit status.
     suspicious: Vec<String>,
+    /// What changes nothing of the path, a sentence for each. With `--strict` it is suspicious.
+    noted: Vec<String>,
 }
 
 /// A bend that does not allow the commanded feed.
@@ -121,7 +126,7 @@ struct SlowBend {
 }
 
 impl<'p> Report<'p> {
-    fn new(part: &'p Part, machine: Option<&'p Machine>) -> Self {
+    fn new(part: &'p Part, machine: Option<&'p Machine>, is_strict: bool) -> Self {
         let seen = inspect(part);
         let mut report = Self {
             part: &part.name,
@@ -132,29 +137,40 @@ impl<'p> Report<'p> {
             warnings: &part.warnings,
             seen,
             suspicious: Vec::new(),
+            noted: Vec::new(),
         };
-        report.suspicious = report.suspicions(part);
+        (report.suspicious, report.noted) = report.findings(part);
+        if is_strict {
+            report.suspicious.append(&mut report.noted);
+        }
         report
     }
 
-    fn suspicions(&self, part: &Part) -> Vec<String> {
-        let mut found = Vec::new();
-        let mut say = |what: &str, lines: &mut dyn Iterator<Item = usize>| {
+    /// What is suspicious, and what is only noted.
+    fn findings(&self, part: &Part) -> (Vec<String>, Vec<String>) {
+        let (mut suspicious, mut noted) = (Vec::new(), Vec::new());
+        let all_rapid = "every move is a rapid one: nothing is cut".to_string();
+        suspicious.extend(input::is_all_rapid(part).then_some(all_rapid));
+        let say = |into: &mut Vec<String>, what: &str, lines: &mut dyn Iterator<Item = usize>| {
             let lines = Lines::of(lines);
-            found.extend(lines.list().map(|list| format!("{} × {what}: {list}", lines.count)));
+            into.extend(lines.list().map(|list| format!("{} × {what}: {list}", lines.count)));
         };
         let (seen, joints) = (&self.seen, || self.seen.joints.iter());
-        say("gap in the path", &mut joints().filter(|joint| joint.gap_mm > GAP_MM).map(|joint| joint.line));
+        let gaps = joints().filter(|joint| joint.gap_mm > GAP_MM);
+        say(&mut suspicious, "gap in the path", &mut gaps.map(|joint| joint.line));
         let in_spline = |joint: &Joint| joint.knot.is_some() && part.curves[joint.curve].degree() > 1;
-        say("corner inside a spline", &mut joints().filter(in_spline).map(|joint| joint.line));
-        say("move at feed that ends where it starts", &mut seen.standstills.iter().copied());
+        let corners = joints().filter(in_spline);
+        say(&mut suspicious, "corner inside a spline", &mut corners.map(|joint| joint.line));
         let slow = self.slow_bends.iter();
         let slow = slow.filter(|slow| slow.allowed_mm_per_s < LEAST_SHARE_OF_FEED * slow.commanded_mm_per_s);
-        say("bend that leaves less than a tenth of the feed", &mut slow.map(|slow| slow.bend.line));
-        say(
-            "word or setting read over, or arc bent to fit",
-            &mut self.warnings.iter().map(|warning| warning.line),
-        );
+        let what = "bend that leaves less than a tenth of the feed";
+        say(&mut suspicious, what, &mut slow.map(|slow| slow.bend.line));
+        let of =
+            |severity| self.warnings.iter().filter(move |one| one.severity == severity).map(|one| one.line);
+        let what = "word or setting read over, or arc bent to fit";
+        say(&mut suspicious, what, &mut of(Severity::Warning));
+        say(&mut noted, "word beside the path, or approach from an unknown place", &mut of(Severity::Note));
+        say(&mut noted, "move at feed that ends where it starts", &mut seen.standstills.iter().copied());
         let feed_is_known = self.machine.is_some() && seen.feedrates_mm_per_s.is_none();
         let mut odd: BTreeMap<&str, Vec<&Remark>> = BTreeMap::new();
         for remark in &seen.remarks {
@@ -163,13 +179,14 @@ impl<'p> Report<'p> {
             }
         }
         for (kind, remarks) in odd {
-            let lines = Lines::of(&mut remarks.iter().map(|remark| remark.line));
+            let is_tiny = matches!(remarks[0].oddity, Oddity::Tiny(_));
+            let into = if is_tiny { &mut noted } else { &mut suspicious };
             match remarks.as_slice() {
-                [one] => found.push(format!("line {}: {}", one.line, one.oddity)),
-                _ => found.extend(lines.list().map(|list| format!("{} × {kind}: {list}", lines.count))),
+                [one] => into.push(format!("line {}: {}", one.line, one.oddity)),
+                _ => say(into, kind, &mut remarks.iter().map(|remark| remark.line)),
             }
         }
-        found
+        (suspicious, noted)
     }
 
     fn text(&self) -> Result<String> {
@@ -230,6 +247,9 @@ impl<'p> Report<'p> {
         }
         if let Some(count) = self.shorter_than_a_period.filter(|count| *count > 0) {
             writeln!(text, "short       {} shorter than the travel of one period", many(count, "move"))?;
+        }
+        for one in &self.noted {
+            text += &labelled("noted       ", one);
         }
         Ok(text)
     }

@@ -57,6 +57,7 @@ impl Arguments {
 
 /// What a comparison has beside its problem.
 struct Beside {
+    part_checksum: u32,
     folder: Option<Folder>,
     out: Place,
     baseline: Option<Baseline>,
@@ -65,13 +66,16 @@ struct Beside {
 
 /// Compares and prints. Writes the report if the options name a folder for it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let (folder, out) = (report::folder(arguments.report.as_deref())?, arguments.output.place()?);
+    let text = arguments.input.text()?;
     let beside = Beside {
-        folder: report::folder(arguments.report.as_deref())?,
-        out: arguments.output.place()?,
-        baseline: arguments.baseline.read("compare")?,
+        part_checksum: text.checksum(),
+        folder,
+        out,
+        baseline: arguments.baseline.read("compare", &text)?,
         targets: arguments.targets.read()?,
     };
-    match arguments.run.problem(&arguments.input)? {
+    match arguments.run.problem_of(&arguments.input, &text)? {
         AnyProblem::Planar(problem) => in_part(&problem, compare(&problem, &beside, arguments)),
         AnyProblem::Spatial(problem) => in_part(&problem, compare(&problem, &beside, arguments)),
     }
@@ -81,7 +85,7 @@ fn compare<const D: usize>(problem: &Problem<D>, beside: &Beside, arguments: &Ar
 where
     Space: Dimension<D>,
 {
-    let Beside { folder, out, baseline, targets } = beside;
+    let Beside { part_checksum, folder, out, baseline, targets } = beside;
     let formats = selected(&arguments.formats)?;
     let (shown, options) = (arguments.shown()?, arguments.run.options_for(problem)?);
     let interruptible = Options { interrupt: Some(interrupt::flag()), ..options.clone() };
@@ -92,7 +96,11 @@ where
     let engines = if shows_all { arguments.run.engines()? } else { shown.clone() };
     if let Some(baseline) = baseline {
         let feedrate_mm_per_s = problem.feedrate_mm_per_s();
-        baseline.expect_question(&problem.name, &Machine { feedrate_mm_per_s, ..problem.machine.clone() })?;
+        baseline.expect_machine(&Machine { feedrate_mm_per_s, ..problem.machine.clone() })?;
+        let runs = formats
+            .iter()
+            .flat_map(|format| engines.iter().map(|engine| (format.name().to_string(), *engine)));
+        baseline.expect_runs(&runs.collect::<Vec<_>>(), targets)?;
     }
     let progress = Progress::planning();
     let watched = |done: u64, all: u64| {
@@ -105,7 +113,7 @@ where
         output::say("feedbits: interrupted while a plan was made: no run is printed");
     })?;
     progress.finish();
-    let end = |finished: Comparison| interrupted(finished, arguments.output.json, out);
+    let end = |finished: Comparison| interrupted(finished, arguments.output.json, beside);
     if !interrupt::is_set() {
         let finished = compared.comparison.clone();
         let wants_fewest_bits = shown.contains(&Engine::Pieces);
@@ -119,7 +127,7 @@ where
     }
     let comparison = &compared.comparison;
     let text = if arguments.output.json {
-        baseline::json("compare", comparison)?
+        baseline::json("compare", *part_checksum, comparison)?
     } else if arguments.wide {
         table(comparison) + &period_costs::tables(comparison, targets, None)
     } else {
@@ -177,14 +185,14 @@ where
 
 /// Prints the runs that were finished. Answers that were sought meanwhile come from runs that were cut short: they are
 /// left out.
-fn interrupted(comparison: Comparison, as_json: bool, out: &Place) -> Result<Ending> {
+fn interrupted(comparison: Comparison, as_json: bool, beside: &Beside) -> Result<Ending> {
     let comparison = Comparison { fewest_bits: None, not_a_question_of_format: None, ..comparison };
     let text = match as_json {
-        true => baseline::json("compare", &comparison)?,
+        true => baseline::json("compare", beside.part_checksum, &comparison)?,
         false if comparison.formats.is_empty() => String::new(),
         false => rows(&comparison),
     };
-    output::write(out, &text)?;
+    output::write(&beside.out, &text)?;
     let finished = comparison.formats.len();
     let all = output::counted(finished + comparison.interrupted_runs, "run", "runs");
     output::say(&format!("feedbits: interrupted: {finished} of {all} finished, and nothing behind them"));

@@ -89,10 +89,12 @@ fn cost(max: f64, mhz: f64, blocks: Option<u32>) -> Cost {
         measure: Measure::Cycles,
         level: Level::Scheduled,
         microseconds_max: Some(max / mhz),
+        microseconds_range: Some([0.75 * max / mhz, 1.25 * max / mhz]),
         share_of_period: Some(max / mhz / 1000.0),
         dominating: "mul_add",
         dominating_share: 0.25,
         dsp_blocks: blocks,
+        luts: blocks.map(|blocks| 300 * blocks),
         initiation_interval_max: blocks.map(|_| 120.0),
     })
 }

@@ -7,7 +7,8 @@ use clap::Args;
 use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 use domains::options::START;
 use format_compare::{Problem, Refusal};
-use part_program::{Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Unit};
+use part_program::{Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Severity, Unit};
+use secant_interp::crc32;
 
 use crate::files::{MOST_OF_PART, bytes, taken};
 use crate::{candidates, claims, output, presets};
@@ -70,6 +71,36 @@ impl AnyProblem {
     }
 }
 
+/// The text of a part, and how it is to be read.
+pub(crate) struct Text {
+    pub(crate) name: String,
+    bytes: Vec<u8>,
+    options: ReadOptions,
+}
+
+impl Text {
+    /// The part, or the errors in the text.
+    pub(crate) fn parsed(&self) -> Result<Part, Diagnostics> {
+        part_program::read_part_bytes(&self.name, &self.bytes, self.options)
+    }
+
+    /// A checksum of what the text says: of its bytes, with lines that end alike on every system, and of the options by which it
+    /// is read.
+    pub(crate) fn checksum(&self) -> u32 {
+        let ReadOptions { dialect, lenient, start_mm, unit } = self.options;
+        let options = format!("{:?} {lenient} {start_mm:?} {unit:?}", dialect.map(Dialect::name));
+        let text = self.bytes.iter().copied().filter(|byte| *byte != b'\r');
+        crc32(&text.chain(options.bytes()).collect::<Vec<_>>())
+    }
+}
+
+/// The part of a text, whose warnings are printed.
+fn part_of(text: &Text) -> Result<Part> {
+    let part = text.parsed()?;
+    say_warnings(&part);
+    Ok(part)
+}
+
 /// The result of work on a problem. A refusal of it says of which part, unless it does so itself.
 pub(crate) fn in_part<T, const D: usize>(problem: &Problem<D>, result: Result<T>) -> Result<T> {
     result.map_err(|error| match error.downcast_ref() {
@@ -85,9 +116,17 @@ impl Input {
         AnyProblem::new(&part, &machine)
     }
 
-    /// Reads both files.
+    /// Reads both files, as what is to be run.
     pub(crate) fn part_and_machine(&self) -> Result<(Part, Machine)> {
-        let mut part = self.part()?;
+        self.part_and_machine_of(&self.text()?)
+    }
+
+    /// As [`part_and_machine`](Self::part_and_machine), of a text that is at hand.
+    pub(crate) fn part_and_machine_of(&self, text: &Text) -> Result<(Part, Machine)> {
+        let mut part = part_of(text)?;
+        if is_all_rapid(&part) {
+            bail!("{}: every move is a rapid one, and nothing is cut: expected a move at feed", part.name);
+        }
         match self.machine_of(&part)? {
             Some(machine) => {
                 if !machine.s_stops {
@@ -105,9 +144,7 @@ impl Input {
 
     /// Reads the part and prints its warnings.
     pub(crate) fn part(&self) -> Result<Part> {
-        let part = self.parsed()??;
-        say_warnings(&part);
-        Ok(part)
+        part_of(&self.text()?)
     }
 
     /// The control for which a program is written: the one that the options name for the part.
@@ -115,27 +152,24 @@ impl Input {
         self.dialect.map(Dialect::written)
     }
 
-    /// The part, or the errors in its text.
-    pub(crate) fn parsed(&self) -> Result<Result<Part, Diagnostics>> {
+    /// The part's text.
+    pub(crate) fn text(&self) -> Result<Text> {
         let options = ReadOptions {
             dialect: self.dialect,
             lenient: self.lenient,
             start_mm: self.start,
             unit: self.units,
         };
-        Ok(match &self.part {
+        let (name, bytes) = match &self.part {
             Some(path) if path == Path::new("-") => {
                 let name = "standard input";
                 claims::read_standard_input()?;
-                let text = taken(name, std::io::stdin().lock(), MOST_OF_PART)?;
-                part_program::read_part_bytes(name, &text, options)
+                (name.to_string(), taken(name, std::io::stdin().lock(), MOST_OF_PART)?)
             }
-            Some(path) => {
-                let text = bytes("the part", path, MOST_OF_PART)?;
-                part_program::read_part_bytes(&path.display().to_string(), &text, options)
-            }
-            None => part_program::read_part_with("built-in example", EXAMPLE, options),
-        })
+            Some(path) => (path.display().to_string(), bytes("the part", path, MOST_OF_PART)?),
+            None => ("built-in example".to_string(), EXAMPLE.into()),
+        };
+        Ok(Text { name, bytes, options })
     }
 
     /// The machine that the options name, or that the part's file contains.
@@ -147,9 +181,14 @@ impl Input {
     }
 }
 
+/// Whether nothing of a part is cut.
+pub(crate) fn is_all_rapid(part: &Part) -> bool {
+    part.moves.iter().all(|one| one.kind == MoveKind::Rapid)
+}
+
 /// Prints the notes about a part that was read.
 pub(crate) fn say_warnings(part: &Part) {
-    for warning in &part.warnings {
+    for warning in part.warnings.iter().filter(|one| one.severity != Severity::Note || !output::is_quiet()) {
         output::warn(&warning.to_string());
     }
     if let Some(size) = part.assumed_unit() {
@@ -177,11 +216,8 @@ fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>>
     Ok(problem)
 }
 
-/// Notes that some moves command no feedrate, or that all moves are rapid, and at which feedrate in mm/s they are run.
+/// Notes that some moves command no feedrate, and at which feedrate in mm/s they are run.
 fn say_feeds(part: &Part, feedrate: f64) {
-    if !part.moves.is_empty() && part.moves.iter().all(|one| one.kind == MoveKind::Rapid) {
-        output::note(&format!("every move is a rapid one: they are run at {feedrate} mm/s, as if they cut"));
-    }
     let lacks = |one: &&Move| one.kind == MoveKind::Feed && one.feedrate_mm_per_s.is_none();
     // A curve file with a machine of its own gives the feedrate there.
     if part.machine.is_none()

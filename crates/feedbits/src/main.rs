@@ -44,8 +44,6 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use ending::Ending;
-
 /// How many bits does your feed need?
 ///
 /// Runs a NURBS part program with a machine's limits in many number formats, through the same planner and the same
@@ -55,7 +53,8 @@ use ending::Ending;
 #[command(
     version,
     about,
-    after_help = "Exit status: 0 good, 1 a stated requirement is not met, 2 bad input or usage."
+    after_help = "Exit status: 0 good; 1 a stated requirement is not met, or `check` found something suspicious; 2 bad input or \
+                  usage; 3 worse than the baseline; 130 ended by Ctrl-C."
 )]
 struct Arguments {
     /// Print nothing but results, warnings and errors: no progress, no notes.
@@ -156,10 +155,7 @@ fn main() -> ExitCode {
         output::begin_work();
     }
     match ending {
-        Ok(Ending::Good) => ExitCode::SUCCESS,
-        Ok(Ending::Refused) => ExitCode::from(2),
-        Ok(Ending::RequirementNotMet) => ExitCode::from(1),
-        Ok(Ending::Interrupted) => ExitCode::from(interrupt::STATUS),
+        Ok(ending) => ExitCode::from(ending.status()),
         Err(error) => output::status_of(Err(error)),
     }
 }

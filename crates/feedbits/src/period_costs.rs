@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use format_compare::{Comparison, Cost, Engine, JudgedRun, PeriodCost, Sizing, Verdict};
 use target_cost::{Kind, Measure, Target};
 
-use crate::screen::{self, labelled};
+use crate::screen::{self, labelled, list};
 
 /// The costs of a comparison that was priced, with remarks: for these forms of the path in 80 columns, or for all forms
 /// in full width.
@@ -53,9 +53,14 @@ fn time_and_share(cost: &PeriodCost) -> [String; 2] {
     [time, share.unwrap_or_default()]
 }
 
-fn blocks_and_interval(cost: &PeriodCost) -> [String; 2] {
+/// The headings of what an FPGA's costs have beside time.
+const OF_FPGA: [&str; 3] = ["DSP\nblocks", "LUTs", "to the\nnext axis"];
+
+fn size_and_interval(cost: &PeriodCost) -> [String; 3] {
+    let number = |count: Option<u32>| count.map_or_else(String::new, |count| count.to_string());
     [
-        cost.dsp_blocks.map_or_else(String::new, |blocks| blocks.to_string()),
+        number(cost.dsp_blocks),
+        number(cost.luts),
         cost.initiation_interval_max.map_or_else(String::new, |i| format!("{i:.0}")),
     ]
 }
@@ -68,14 +73,14 @@ pub(crate) fn of_sizing(sizing: &Sizing, targets: &[Target]) -> String {
         let fpga = target.kind == Kind::Fpga;
         let worst = format!("{} of the\nworst period", counted_in(target));
         let mut header = vec!["datapath", "operators", &worst, "µs", "of the\nperiod"];
-        header.extend(fpga.then_some(["DSP\nblocks", "to the\nnext axis"]).into_iter().flatten());
+        header.extend(fpga.then_some(OF_FPGA).into_iter().flatten());
         let row = |(what, (format, costs)): (&str, &(String, &BTreeMap<String, Cost>))| {
             let mut cells = vec![what.to_string(), format.clone()];
             match costs.get(&target.name)? {
                 Cost::Known(cost) => {
                     cells.push(range(cost.max, cost.max_range));
                     cells.extend(time_and_share(cost));
-                    cells.extend(fpga.then(|| blocks_and_interval(cost)).into_iter().flatten());
+                    cells.extend(fpga.then(|| size_and_interval(cost)).into_iter().flatten());
                 }
                 Cost::Unknown { unknown } => cells.push(format!("unknown: nobody publishes its {unknown}")),
             }
@@ -95,7 +100,7 @@ fn narrow_costs(comparison: &Comparison, target: &Target, engines: &[Engine]) ->
     let worst = format!("{} of the\nworst period", counted_in(target));
     let mut header = vec!["format", "path", &worst, "µs", "of the\nperiod", "most work\nin"];
     if fpga {
-        header.extend(["DSP\nblocks", "to the\nnext axis"]);
+        header.extend(OF_FPGA);
     }
     if !names_path {
         header.remove(1);
@@ -111,7 +116,7 @@ fn narrow_costs(comparison: &Comparison, target: &Target, engines: &[Engine]) ->
                 cells.push(range(cost.max, cost.max_range));
                 cells.extend(time_and_share(cost));
                 cells.push(format!("{} {:.0} %", cost.dominating, cost.dominating_share * 100.0));
-                cells.extend(fpga.then(|| blocks_and_interval(cost)).into_iter().flatten());
+                cells.extend(fpga.then(|| size_and_interval(cost)).into_iter().flatten());
                 rows.push(cells);
             }
             Some(Cost::Unknown { unknown: what }) => {
@@ -132,7 +137,7 @@ fn wide_costs(comparison: &Comparison, target: &Target) -> String {
     let fpga = target.kind == Kind::Fpga;
     let mut header = vec!["format", "path", &mean, &max, "µs\nworst", "of the\nperiod", "most work in"];
     if fpga {
-        header.extend(["DSP\nblocks", "cycles to the\nnext axis"]);
+        header.extend(OF_FPGA);
     }
     let row = |row: &JudgedRun| {
         let mut cells = vec![row.format.clone(), row.engine.to_string()];
@@ -142,7 +147,7 @@ fn wide_costs(comparison: &Comparison, target: &Target) -> String {
                 cells.push(range(cost.max, cost.max_range));
                 cells.extend(time_and_share(cost));
                 cells.push(format!("{} {:.0} %", cost.dominating, cost.dominating_share * 100.0));
-                cells.extend(fpga.then(|| blocks_and_interval(cost)).into_iter().flatten());
+                cells.extend(fpga.then(|| size_and_interval(cost)).into_iter().flatten());
             }
             Some(Cost::Unknown { unknown }) => cells.push(format!("unknown: nobody publishes its {unknown}")),
             None => {}
@@ -150,7 +155,7 @@ fn wide_costs(comparison: &Comparison, target: &Target) -> String {
         cells
     };
     let ran = comparison.formats.iter().filter(|row| !matches!(row.verdict, Verdict::Refused(_)));
-    screen::wide_table(&header, ran.map(row).collect(), &[0, 1, 6, 7, 8])
+    screen::wide_table(&header, ran.map(row).collect(), &[0, 1, 6])
 }
 
 /// Remarks about the figures on this target.
@@ -167,7 +172,14 @@ fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
         .collect();
     let mut lines = Vec::new();
     if let Some((format, engine)) = comparison.recommended_on.get(&target.name) {
-        lines.push(format!("Cheapest good format on {}: {format} ({engine})", target.name));
+        let best = good.iter().find(|(row, _)| row.format == *format && row.engine == *engine);
+        let as_cheap = best.map_or_else(Vec::new, |(best, _)| as_cheap(comparison, best, &target.name));
+        let doubt = if as_cheap.is_empty() {
+            String::new()
+        } else {
+            format!(", by typical costs; {} may be as cheap", list(&as_cheap))
+        };
+        lines.push(format!("Cheapest good format on {}: {format} ({engine}){doubt}", target.name));
     } else {
         lines.push(format!("No format is known to be good and fast enough on {}", target.name));
     }
@@ -175,18 +187,47 @@ fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
     // Compares fixed point with float by the cheapest good format of each.
     let cheapest = |fixed: bool| {
         let of_kind = good.iter().filter(|(row, _)| row.format.starts_with('I') == fixed);
-        of_kind.min_by(|a, b| a.1.max.total_cmp(&b.1.max))
+        of_kind.min_by(|a, b| time(&a.1).total_cmp(&time(&b.1)))
     };
     if let (Some((fixed, q)), Some((float, f))) = (cheapest(true), cheapest(false)) {
-        let (cheap, dear, ratio) = if q.max <= f.max {
-            (&fixed.format, &float.format, f.max / q.max)
+        lines.push(if f.is_longer_than(q) {
+            of_other_kind(&fixed.format, &float.format, time(f) / time(q))
+        } else if q.is_longer_than(f) {
+            of_other_kind(&float.format, &fixed.format, time(q) / time(f))
         } else {
-            (&float.format, &fixed.format, q.max / f.max)
-        };
-        lines.push(format!("{cheap} takes {ratio:.1} times less than {dear}, the best of the other kind"));
+            format!(
+                "{} and {}, the best of each kind, may take as long: their ranges overlap",
+                fixed.format, float.format
+            )
+        });
     }
     lines.extend(divisions(comparison, &known));
     lines
+}
+
+/// How long the dearest period takes, for a ratio.
+fn time(cost: &PeriodCost) -> f64 {
+    cost.microseconds_max.unwrap_or(cost.max)
+}
+
+fn of_other_kind(cheap: &str, dear: &str, ratio: f64) -> String {
+    format!("{cheap} takes {ratio:.1} times less time than {dear}, the best of the other kind")
+}
+
+/// The good formats that may cost as little on a target as the one that is first there.
+pub(crate) fn as_cheap<'c>(comparison: &'c Comparison, best: &JudgedRun, target: &str) -> Vec<&'c str> {
+    let cost = |row: &JudgedRun| match row.cycles.get(target) {
+        Some(Cost::Known(cost)) => Some(cost.clone()),
+        _ => None,
+    };
+    let Some(least) = cost(best) else { return Vec::new() };
+    let others = comparison.formats.iter().filter(|row| row.verdict.is_good() && row.format != best.format);
+    let mut names: Vec<&str> = others
+        .filter(|row| cost(row).is_some_and(|other| !other.is_dearer_than(&least)))
+        .map(|row| row.format.as_str())
+        .collect();
+    names.dedup();
+    names
 }
 
 /// A remark if the recommended format fits the period only with the typical costs of operations, not with the highest.
@@ -197,7 +238,7 @@ fn may_not_fit(
 ) -> Option<String> {
     let (format, engine) = comparison.recommended_on.get(&target.name)?;
     let (_, cost) = good.iter().find(|(row, _)| row.format == *format && row.engine == *engine)?;
-    let most = cost.share_of_period? * cost.max_range[1] / cost.max;
+    let most = cost.share_of_period? * cost.microseconds_range?[1] / cost.microseconds_max?;
     (most > 1.0).then(|| {
         format!("{format} fits by what operations typically take; by the most they may take, its worst step has {most:.1} periods")
     })

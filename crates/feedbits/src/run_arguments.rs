@@ -10,7 +10,7 @@ use part_program::{Machine, Part};
 use crate::bounds::{expect_an_end, expect_few_pieces};
 use crate::candidates;
 use crate::formats::named;
-use crate::input::{AnyProblem, Input};
+use crate::input::{AnyProblem, Input, Text};
 use crate::numbers::number;
 use crate::output;
 
@@ -153,13 +153,18 @@ impl PlanArguments {
 impl RunArguments {
     /// Reads the problem to plan and run. Notes say what the run leaves out.
     pub(crate) fn problem(&self, input: &Input) -> Result<AnyProblem> {
-        let (part, machine) = self.part_and_machine(input)?;
+        self.problem_of(input, &input.text()?)
+    }
+
+    /// As [`problem`](Self::problem), of a text that is at hand.
+    pub(crate) fn problem_of(&self, input: &Input, text: &Text) -> Result<AnyProblem> {
+        let (part, machine) = self.part_and_machine(input, text)?;
         AnyProblem::new(&part, &machine)
     }
 
     /// Reads the part and its machine. If the options give a fluctuation, it replaces the file's.
-    pub(crate) fn part_and_machine(&self, input: &Input) -> Result<(Part, Machine)> {
-        let (part, machine) = input.part_and_machine()?;
+    pub(crate) fn part_and_machine(&self, input: &Input, text: &Text) -> Result<(Part, Machine)> {
+        let (part, machine) = input.part_and_machine_of(text)?;
         let fluctuation_limit = self.fluctuation.unwrap_or(machine.fluctuation_limit);
         Ok((part, Machine { fluctuation_limit, ..machine }))
     }

@@ -85,9 +85,10 @@ impl Arguments {
 /// Searches and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let out = arguments.output.place()?;
-    let baseline = arguments.baseline.read("size")?;
+    let part = arguments.input.text()?;
+    let baseline = arguments.baseline.read("size", &part)?;
     let targets = arguments.targets.read()?;
-    let (found, types) = match arguments.run.problem(&arguments.input)? {
+    let (found, types) = match arguments.run.problem_of(&arguments.input, &part)? {
         AnyProblem::Planar(problem) => {
             in_part(&problem, size(&problem, arguments, &targets, baseline.as_ref()))?
         }
@@ -98,7 +99,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let sizing = &found.sizing;
     let is_met = if arguments.types.is_some() { sizing.mixed.is_some() } else { sizing.uniform.is_some() };
     let text = match (arguments.output.json, arguments.types, types) {
-        (true, ..) => baseline::json("size", &found)?,
+        (true, ..) => baseline::json("size", part.checksum(), &found)?,
         (false, None, _) => report(sizing) + &period_costs::of_sizing(sizing, &targets),
         (false, Some(_), Some(types)) => types,
         (false, Some(_), None) => {
@@ -140,7 +141,7 @@ where
     if options.engine != Engine::Pieces {
         bail!("registers are sized for compiled pieces: give --evaluate pieces, or nothing");
     }
-    baseline.map_or(Ok(()), |baseline| baseline.expect_question(&problem.name, &problem.machine))?;
+    baseline.map_or(Ok(()), |baseline| baseline.expect_machine(&problem.machine))?;
     let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
     let formats = selected::<D>(&["f64".to_string()])?;
     let (plan, datapath) =

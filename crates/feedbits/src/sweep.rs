@@ -193,7 +193,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         file: Place::named("--out", Some(&arguments.out.clone().unwrap_or_else(|| arguments.shard.file())))?,
         terminal: Place::terminal()?,
     };
-    let (part, machine) = arguments.run.part_and_machine(&arguments.input)?;
+    let (part, machine) = arguments.run.part_and_machine(&arguments.input, &arguments.input.text()?)?;
     if part.curves.iter().all(|curve| curve.dimension() == 2) {
         sweep::<2>(part, machine, &places, arguments)
     } else {

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
-use domains::options::{DIVIDERS, MULTIPLIERS};
+use domains::options::{CLOCK, DIVIDERS, MULTIPLIERS};
 use serde::Serialize;
-use target_cost::{Calibration, Confidence, Kind, Known, Measure, Prediction, Target, built_in};
+use target_cost::{Calibration, Clock, Confidence, Kind, Known, Measure, Mhz, Prediction, Target, built_in};
 
 use crate::ending::Ending;
-use crate::numbers::whole;
+use crate::numbers::{number, whole};
 use crate::screen::{self, labelled, short};
 use crate::{candidates, files, output};
 
@@ -49,6 +49,9 @@ pub(crate) struct TargetArguments {
     /// Dividers on an FPGA.
     #[arg(long, value_name = "N", value_parser = whole::<u32>(&DIVIDERS))]
     dividers: Option<u32>,
+    /// The clock of every target, in MHz, in place of the target's own.
+    #[arg(long, value_name = "MHZ", value_parser = number(&CLOCK))]
+    clock: Option<f64>,
 }
 
 impl TargetArguments {
@@ -73,11 +76,18 @@ impl TargetArguments {
                 "--{name}s: no target is priced that has {name}s to count: expected one on an FPGA with --targets"
             );
         }
+        if self.clock.is_some() && !chosen.iter().any(|target| target.measure == Measure::Cycles) {
+            bail!("--clock: no target is priced in cycles: expected one with --targets");
+        }
         let with = |target: Target| {
-            units.iter().fold(target, |target, (name, count)| match count {
+            let target = units.iter().fold(target, |target, (name, count)| match count {
                 Some(count) => target.with_units(name, *count),
                 None => target,
-            })
+            });
+            match self.clock {
+                Some(mhz) => target.with_clock(mhz),
+                None => target,
+            }
         };
         Ok(chosen.into_iter().map(with).collect())
     }
@@ -131,12 +141,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 
 fn list(targets: &[Target], wide: bool) -> String {
     let clock = |target: &Target| {
-        let clock = target.clock.iter().map(|clock| match clock.max_bits {
-            Some(bits) => format!("{} to {bits} bits", clock.mhz),
-            None => clock.mhz.to_string(),
-        });
-        let clock = clock.collect::<Vec<_>>().join(", ");
-        if clock.is_empty() { "unknown".to_string() } else { clock }
+        let mhz = || target.clock.iter().map(|clock| clock.mhz.range().typical);
+        match mhz().reduce(f64::min).zip(mhz().reduce(f64::max)) {
+            Some((least, most)) if least < most => format!("{least} to {most}, by format"),
+            Some((only, _)) => only.to_string(),
+            None => "unknown".to_string(),
+        }
     };
     let row = |target: &Target| {
         let mut cells = vec![target.name.clone(), target.title.clone()];
@@ -170,8 +180,22 @@ fn list(targets: &[Target], wide: bool) -> String {
     format!("{}\n{table}", screen::paragraph(&said))
 }
 
+/// A clock, its formats, and where it is from.
+fn clock_and_source(clock: &Clock) -> String {
+    let mhz = match clock.mhz {
+        Mhz::Exactly(mhz) => short(mhz),
+        Mhz::Range(mhz) => format!("{} ({}–{})", short(mhz.typical), short(mhz.low), short(mhz.high)),
+    };
+    let formats = match (&clock.numbers, clock.max_bits) {
+        (Some(format), _) => format!(" in {format}"),
+        (None, Some(bits)) => format!(" to {bits} bits"),
+        (None, None) => String::new(),
+    };
+    format!("clock {mhz} MHz{formats}: {}", clock.source)
+}
+
 fn numbers(target: &Target, wide: bool) -> String {
-    let clocks = target.clock.iter().map(|clock| format!("clock {} MHz: {}", short(clock.mhz), clock.source));
+    let clocks = target.clock.iter().map(clock_and_source);
     let head = screen::answer(&format!("{}: {}", target.name, target.title))
         + &clocks.map(|clock| screen::paragraph(&clock)).collect::<String>()
         + "\n";

@@ -36,6 +36,8 @@ pub enum Severity {
     Error,
     /// The text can be used, but not all of it was.
     Warning,
+    /// The text is used as far as it says the path; what is noted is no part of it, or not said.
+    Note,
 }
 
 /// One fault or remark about one place of a text.
@@ -97,6 +99,12 @@ impl Diagnostic {
         self
     }
 
+    /// Makes it a note.
+    pub(crate) fn note(&mut self) -> &mut Self {
+        self.severity = Severity::Note;
+        self
+    }
+
     /// Adds a hint how to correct it.
     pub(crate) fn hint(&mut self, hint: impl Into<String>) -> &mut Self {
         self.hint = Some(shortened(hint.into()));
@@ -147,6 +155,7 @@ impl fmt::Display for Severity {
         f.write_str(match self {
             Self::Error => "error",
             Self::Warning => "warning",
+            Self::Note => "note",
         })
     }
 }
@@ -307,7 +316,7 @@ impl<'t> Report<'t> {
         let span = self.in_text(span);
         let kept = match severity {
             Severity::Error => &mut self.errors,
-            Severity::Warning => &mut self.warnings,
+            Severity::Warning | Severity::Note => &mut self.warnings,
         };
         if kept.list.len() == MAX_DIAGNOSTICS {
             kept.omitted += 1;

@@ -151,6 +151,7 @@ impl Calibration {
                 busy: None,
                 unit: None,
                 dsp_blocks: 0,
+                luts: 0,
                 source: "counted in the emulator by scripts/firmware, data/target-costs.toml".to_string(),
                 confidence: Confidence::High,
             }

@@ -1,8 +1,9 @@
-//! A number of cycles, as an interval with a middle.
+//! A number of cycles, or another cost, as an interval with a middle.
 
 use std::iter::Sum;
 use std::ops::{Add, Mul};
 
+use domains::shown;
 use serde::{Deserialize, Serialize};
 
 /// Low, typical and high. A cost may depend on neighbouring instructions, on operands or on an implementation, and a
@@ -39,6 +40,17 @@ impl Cycles {
     /// Each of the three, made by `of`.
     pub fn each(mut of: impl FnMut(Level) -> f64) -> Self {
         Self { low: of(Level::Low), typical: of(Level::Typical), high: of(Level::High) }
+    }
+
+    /// Whether low is at most typical, and typical at most high.
+    pub(crate) fn rises(&self) -> bool {
+        self.low <= self.typical && self.typical <= self.high
+    }
+
+    /// The three as a target file has them.
+    pub(crate) fn in_a_file(&self) -> String {
+        let [low, typical, high] = [self.low, self.typical, self.high].map(shown);
+        format!("{{ low = {low}, typical = {typical}, high = {high} }}")
     }
 
     /// One of the three.

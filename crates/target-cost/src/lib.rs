@@ -45,5 +45,5 @@ pub use cycles::{Cycles, Level};
 pub use error::TargetError;
 pub use period_bound::{Limits, Most, PeriodBound, period_bounds};
 pub use schedule::{NoPrice, Placed, StepCost};
-pub use target::{Clock, Confidence, Kind, Known, Measure, Price, Row, Target, Unit, Unknown};
+pub use target::{Clock, Confidence, Kind, Known, Measure, Mhz, Price, Row, Target, Unit, Unknown};
 pub use task::{Priced, Step, Task};

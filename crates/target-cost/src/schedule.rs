@@ -35,6 +35,8 @@ pub struct StepCost {
     pub work: BTreeMap<&'static str, f64>,
     /// DSP blocks of all units that are used.
     pub dsp_blocks: u32,
+    /// LUTs of all units that are used.
+    pub luts: u32,
     /// The typical schedule, an entry each operation.
     pub placed: Vec<Placed>,
 }
@@ -71,18 +73,23 @@ impl StepCost {
         for item in &todo {
             *work.entry(item.operation.name()).or_insert(0.0) += item.price.latency.typical;
         }
-        let mut blocks = vec![0; target.unit.len()];
-        for price in todo.iter().map(|item| item.price) {
-            if let Some(unit) = price.unit {
-                blocks[unit] = blocks[unit].max(price.dsp_blocks.saturating_mul(target.unit[unit].count));
+        // A unit is as large as its largest operation.
+        let of_units = |size: fn(&Price) -> u32| {
+            let mut units = vec![0_u32; target.unit.len()];
+            for price in todo.iter().map(|item| item.price) {
+                if let Some(unit) = price.unit {
+                    units[unit] = units[unit].max(size(&price).saturating_mul(target.unit[unit].count));
+                }
             }
-        }
+            units.into_iter().fold(0, u32::saturating_add)
+        };
         Ok(Self {
             length,
             critical_path: Cycles::each(|level| critical_path(&todo, level)),
             initiation_interval: Cycles::each(|level| initiation_interval(&todo, target, level)),
             work,
-            dsp_blocks: blocks.iter().fold(0, |sum: u32, blocks| sum.saturating_add(*blocks)),
+            dsp_blocks: of_units(|price| price.dsp_blocks),
+            luts: of_units(|price| price.luts),
             placed: place(&todo, target, Level::Typical),
         })
     }
@@ -313,6 +320,7 @@ mod tests {
             busy,
             unit: unit.map(String::from),
             dsp_blocks: u32::from(unit == Some("multiplier")) * 4,
+            luts: 0,
             source: "a test".into(),
             confidence: Confidence::High,
         }

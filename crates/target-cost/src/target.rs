@@ -2,7 +2,7 @@
 
 use domains::shown;
 use domains::target::{
-    BUSY, CLOCK, CLOCK_BITS, DSP_BLOCKS, ISSUE_PER_CYCLE, NAME, PER_BIT, PER_FRACTION_BIT, ROW_BITS,
+    BUSY, CLOCK, CLOCK_BITS, DSP_BLOCKS, ISSUE_PER_CYCLE, LUTS, NAME, PER_BIT, PER_FRACTION_BIT, ROW_BITS,
     ROW_CYCLES, TITLE, UNITS,
 };
 use foreign_text::in_a_file_name;
@@ -13,6 +13,9 @@ use crate::cycles::Cycles;
 use crate::error::TargetError;
 use crate::place::Place;
 use crate::task::Priced;
+
+/// What three numbers must do.
+const RISES: &str = "low <= typical <= high";
 
 /// The longest name of a target.
 const LONGEST_NAME: usize = 64;
@@ -76,13 +79,37 @@ pub enum Measure {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Clock {
+    /// The only format, by its name; absent for every format.
+    #[serde(default)]
+    pub numbers: Option<String>,
     /// The widest format; absent for every width.
     #[serde(default)]
     pub max_bits: Option<u32>,
     /// In MHz.
-    pub mhz: f64,
+    pub mhz: Mhz,
     /// The source of the number.
     pub source: String,
+}
+
+/// The rate of a clock, in MHz.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Mhz {
+    /// One that is chosen, or stated.
+    Exactly(f64),
+    /// Between the slowest and the fastest that place and route give.
+    Range(Cycles),
+}
+
+impl Mhz {
+    /// The three rates; those of a stated one are equal.
+    #[must_use]
+    pub const fn range(self) -> Cycles {
+        match self {
+            Self::Exactly(mhz) => Cycles::exactly(mhz),
+            Self::Range(range) => range,
+        }
+    }
 }
 
 /// Units that several operations share.
@@ -124,6 +151,9 @@ pub struct Row {
     /// DSP blocks in a unit.
     #[serde(default)]
     pub dsp_blocks: u32,
+    /// LUTs in a unit, in the format of the row that takes most.
+    #[serde(default)]
+    pub luts: u32,
     /// Manual and table, or the derivation.
     pub source: String,
     /// How reliable the number is.
@@ -171,6 +201,8 @@ pub struct Price {
     pub unit: Option<usize>,
     /// DSP blocks in the unit.
     pub dsp_blocks: u32,
+    /// LUTs in the unit.
+    pub luts: u32,
 }
 
 impl Target {
@@ -194,18 +226,25 @@ impl Target {
                 return wrong(place, shown(value), expected);
             }
         }
+        for (index, clock) in self.clock.iter().enumerate() {
+            let (at, mhz) = (|| Place::in_table(&CLOCK, index), clock.mhz.range());
+            if let Some(numbers) = clock.numbers.as_ref().filter(|name| FormatName::named(name).is_none()) {
+                return wrong(at().field("numbers"), numbers.clone(), "a format such as f32 or I4F28".into());
+            }
+            if !mhz.rises() {
+                return wrong(at(), mhz.in_a_file(), RISES.into());
+            }
+        }
         for (index, row) in self.operation.iter().enumerate() {
             let at = |key: &'static str| Place::in_table(&ROW_CYCLES, index).field(key);
             if row.numbers != "fixed" && FormatName::named(&row.numbers).is_none() {
                 let expected = "`fixed` or a format such as f32 or I4F28".into();
                 return wrong(at("numbers"), row.numbers.clone(), expected);
             }
-            if let Known::Cycles(Cycles { low, typical, high }) = row.cycles
-                && !(low <= typical && typical <= high)
+            if let Known::Cycles(cycles) = row.cycles
+                && !cycles.rises()
             {
-                let [low, typical, high] = [low, typical, high].map(shown);
-                let value = format!("{{ low = {low}, typical = {typical}, high = {high} }}");
-                return wrong(at("cycles"), value, "low <= typical <= high".into());
+                return wrong(at("cycles"), cycles.in_a_file(), RISES.into());
             }
             if let Some(name) = &row.unit
                 && !self.unit.iter().any(|unit| unit.name == *name)
@@ -221,7 +260,8 @@ impl Target {
         let issue = self.issue_per_cycle.map(|width| (Place::of(&ISSUE_PER_CYCLE), f64::from(width)));
         let clocks = self.clock.iter().enumerate().flat_map(|(index, clock)| {
             let bits = clock.max_bits.map(|bits| (Place::in_table(&CLOCK_BITS, index), f64::from(bits)));
-            [(Place::in_table(&CLOCK, index), clock.mhz)].into_iter().chain(bits)
+            let Cycles { low, typical, high } = clock.mhz.range();
+            [low, typical, high].map(|mhz| (Place::in_table(&CLOCK, index), mhz)).into_iter().chain(bits)
         });
         let units = self.unit.iter().enumerate();
         let units = units.map(|(index, unit)| (Place::in_table(&UNITS, index), f64::from(unit.count)));
@@ -237,6 +277,7 @@ impl Target {
                 (place(&PER_BIT), row.per_bit),
                 (place(&PER_FRACTION_BIT), row.per_fraction_bit),
                 (place(&DSP_BLOCKS), f64::from(row.dsp_blocks)),
+                (place(&LUTS), f64::from(row.luts)),
             ];
             cycles
                 .map(|cycles| (place(&ROW_CYCLES), cycles))
@@ -257,10 +298,22 @@ impl Target {
         self
     }
 
-    /// The clock in MHz for formats of this width.
+    /// This target with one clock for every format, as a user states it.
     #[must_use]
-    pub fn clock_mhz(&self, bits: u32) -> Option<f64> {
-        self.clock.iter().find(|clock| clock.max_bits.is_none_or(|most| bits <= most)).map(|clock| clock.mhz)
+    pub fn with_clock(mut self, mhz: f64) -> Self {
+        let source = "stated".to_string();
+        self.clock = vec![Clock { numbers: None, max_bits: None, mhz: Mhz::Exactly(mhz), source }];
+        self
+    }
+
+    /// The clock in MHz for a format: the first that is its own, or wide enough and no format's own.
+    #[must_use]
+    pub fn clock_mhz(&self, format: FormatName) -> Option<Cycles> {
+        let (name, bits) = (format.to_string(), format.bits());
+        let own = |clock: &&Clock| clock.numbers.as_ref() == Some(&name);
+        let fits = |clock: &&Clock| clock.numbers.is_none() && clock.max_bits.is_none_or(|most| bits <= most);
+        let clocks = || self.clock.iter();
+        clocks().find(own).or_else(|| clocks().find(fits)).map(|clock| clock.mhz.range())
     }
 
     /// The row that prices an operation in a format: the format's own row, else the narrowest fixed-point row that is
@@ -304,6 +357,7 @@ impl Target {
             busy: row.busy.map(|busy| if bits > 0.0 { busy.max(bits) } else { busy }),
             unit: row.unit.as_ref().and_then(|name| self.unit.iter().position(|unit| unit.name == *name)),
             dsp_blocks: row.dsp_blocks,
+            luts: row.luts,
         })
     }
 }

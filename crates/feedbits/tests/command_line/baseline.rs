@@ -32,7 +32,7 @@ fn beside(folder: &Path, baseline: &Value, command: &[&str], more: &[&str]) -> (
 }
 
 #[test]
-fn test_a_figure_that_got_worse_ends_with_status_1() {
+fn test_a_figure_that_got_worse_ends_with_status_3() {
     let (folder, base) = with_baseline(&COMPARE);
     let folder = folder.path();
     let (status, said) = beside(folder, &base, &COMPARE, &[]);
@@ -47,25 +47,83 @@ fn test_a_figure_that_got_worse_ends_with_status_1() {
     let found = &mut better["formats"][at]["cycles"]["cortex-m4f"]["max"];
     *found = json!(found.as_f64().unwrap() / 1.1);
     let (status, said) = beside(folder, &better, &COMPARE, &[]);
-    assert!(status == Some(1) && said.contains("I4F28 pieces: dearest period on cortex-m4f was"), "{said}");
+    assert!(status == Some(3) && said.contains("I4F28 pieces: dearest period on cortex-m4f was"), "{said}");
     assert_eq!(said.matches(" was ").count(), 1, "{said}");
     assert_eq!(beside(folder, &better, &COMPARE, &["--worse-by", "11"]).0, Some(0));
 
     let mut better = base.clone();
     better["fewest_bits"]["bits"] = json!(base["fewest_bits"]["bits"].as_u64().unwrap() - 1);
     let (status, said) = beside(folder, &better, &COMPARE, &[]);
-    assert!(status == Some(1) && said.contains("fewest bits was"), "{said}");
+    assert!(status == Some(3) && said.contains("fewest bits was"), "{said}");
 
     // One that was refused, or not good, and was good before.
     let worse = base["formats"].as_array().unwrap().iter().position(|run| run["verdict"]["result"] != "good");
     let mut better = base.clone();
     better["formats"][worse.unwrap()]["verdict"] = json!({"result": "good"});
     let (status, said) = beside(folder, &better, &COMPARE, &[]);
+    assert!(status == Some(3) && said.contains("verdict was good, and is "), "{said}");
+
+    // What is not good enough is worse than worse.
+    let mut better = base.clone();
+    better["formats"][worse.unwrap()]["verdict"] = json!({"result": "good"});
+    let only = ["compare", "p.toml", "--formats", "I16F16", "--targets", "cortex-m4f"];
+    better["formats"].as_array_mut().unwrap().retain(|run| run["format"] == "I16F16");
+    better["fewest_bits"] = json!({"bits": 1});
+    let (status, said) = beside(folder, &better, &only, &[]);
     assert!(status == Some(1) && said.contains("verdict was good, and is "), "{said}");
+}
+
+/// A part is known by its text, and a machine by its values: not by their names.
+#[test]
+fn test_the_same_part_and_machine_elsewhere_are_the_same() {
+    let (folder, base) = with_baseline(&COMPARE);
+    let folder = folder.path();
+    let same = |part: &str, machine: &[&str], text: &str| {
+        fs::write(folder.join(part), text).expect("a part");
+        let command = [&["compare", part][..], &COMPARE[2..], machine].concat();
+        beside(folder, &base, &command, &[])
+    };
+    fs::create_dir(folder.join("below")).expect("a folder");
+    for name in ["./p.toml", "below/../p.toml", "below/q.toml"] {
+        let (status, said) = same(name, &[], PART);
+        assert_eq!(status, Some(0), "{name}: {said}");
+    }
+    assert_eq!(same("crlf.toml", &[], &PART.replace('\n', "\r\n")).0, Some(0));
+    // The machine's table from a file of its own.
+    let machine = PART.split_once("[machine]").expect("a machine").1;
+    fs::write(folder.join("m.toml"), format!("[machine]{machine}")).expect("a machine");
+    assert_eq!(same("p.toml", &["--machine", "m.toml"], PART).0, Some(0));
+    let (status, said) = same("p.toml", &[], &PART.replace("[10, 10]", "[10, 11]"));
+    assert!(status == Some(2) && said.contains("has another text"), "{said}");
+    let (status, said) = same("p.toml", &["--start", "0,0,1"], PART);
+    assert!(status == Some(2) && said.contains("is read by other options"), "{said}");
+    // A limit that the baseline's machine does not have.
+    let more = format!("[machine]\ncentripetal_acceleration_mm_per_s2 = 900.0{machine}");
+    fs::write(folder.join("m.toml"), more).expect("a machine");
+    let (status, said) = same("p.toml", &["--machine", "m.toml"], PART);
+    assert!(
+        status == Some(2) && said.contains("made with centripetal_acceleration_mm_per_s2 = null"),
+        "{said}"
+    );
+}
+
+/// What cannot be compared is said before any run: of a program that takes minutes.
+#[test]
+fn test_a_baseline_is_refused_before_the_work() {
+    let (folder, base) = with_baseline(&COMPARE);
+    let folder = folder.path();
+    fs::write(folder.join("long.nc"), "G21 G90\nG0 X0 Y0\nG1 X1000 F6\nG1 X0\nM2\n").expect("a program");
+    let begun = std::time::Instant::now();
+    let long = ["compare", "long.nc", "--machine", "mill"];
+    let (status, said) = beside(folder, &base, &long, &[]);
+    assert!(status == Some(2) && said.contains("base.json is of the part \"p.toml\""), "{said}");
+    assert!(begun.elapsed() < std::time::Duration::from_secs(30), "{:?}", begun.elapsed());
 
     let fewer = ["compare", "p.toml", "--formats", "I4F28", "--targets", "cortex-m4f"];
     let (status, said) = beside(folder, &base, &fewer, &[]);
-    assert!(status == Some(1) && said.contains("and is missing"), "{said}");
+    assert!(status == Some(2) && said.contains("has a run in \"I16F16\" by"), "{said}");
+    let (status, said) = beside(folder, &base, &COMPARE[..4], &[]);
+    assert!(status == Some(2) && said.contains("has costs on cortex-m4f"), "{said}");
 }
 
 #[test]
@@ -85,14 +143,14 @@ fn test_a_growth_far_below_the_limit_is_none() {
 }
 
 #[test]
-fn test_bits_that_grow_end_a_search_with_status_1() {
+fn test_bits_that_grow_end_a_search_with_status_3() {
     let (folder, base) = with_baseline(&SIZE);
     let (status, said) = beside(folder.path(), &base, &SIZE, &[]);
     assert_eq!(status, Some(0), "{said}");
     let mut better = base.clone();
     better["mixed"]["bits"] = json!(base["mixed"]["bits"].as_u64().unwrap() - 10);
     let (status, said) = beside(folder.path(), &better, &SIZE, &[]);
-    assert!(status == Some(1) && said.contains("bits of all registers was"), "{said}");
+    assert!(status == Some(3) && said.contains("bits of all registers was"), "{said}");
 }
 
 #[test]
@@ -108,7 +166,8 @@ fn test_a_baseline_of_another_question_is_refused() {
     refused(&|base| base["schema"] = json!(99), "\"schema\" is 99");
     refused(&|base| base["command"] = json!("size"), "expected what `feedbits compare --json` prints");
     refused(&|base| *base = json!({"formats": []}), "no \"schema\"");
-    refused(&|base| base["part"]["name"] = json!("other"), "is of the part \"other\"");
+    refused(&|base| base["part_crc32"] = json!("00000000"), "is of the part \"p.toml\"");
+    refused(&|base| drop(base.as_object_mut().unwrap().remove("part_crc32")), "no \"part_crc32\"");
     refused(&|base| base["machine"]["jerk_mm_per_s3"] = json!(1.0), "made with jerk_mm_per_s3 = 1.0");
 
     fs::write(folder.join("base.json"), "no JSON").unwrap();

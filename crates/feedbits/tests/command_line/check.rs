@@ -82,11 +82,9 @@ fn what_is_suspicious_is_exit_status_1() {
             "1000 times the least",
         ),
         ("twice.toml", curve("[[0, 0], [0, 0], [100, 0]]", ""), "control points 0 and 1 are the same"),
-        ("still.nc", "G0 X0 Y0 F600\nG1 X9\nG1 X9\nG1 Y9\n".into(), "ends where it starts: line 3"),
-        ("short.nc", "G0 X0 Y0 F600\nG1 X9\nG1 X9.0002\n".into(), "line 3: the move is 2.0e-4 mm long"),
         ("late.nc", "G0 X0 Y0\nG1 X9\nG1 X19 F600\n".into(), "line 2: no feedrate is commanded"),
         ("sharp.nc", "G0 X0 Y0 F12000\nG3 X0.02 R0.01\n".into(), "less than a tenth of the feed: line 2"),
-        ("dwell.nc", "G0 X0 Y0 F600\nG4 P1\nG1 X9\n".into(), "read over, or arc bent to fit: line 2"),
+        ("bent.nc", "G0 X0 Y0 F600\nG3 X10.02 Y0 I5 J0\n".into(), "read over, or arc bent to fit: line 2"),
         (
             "corner.nc",
             "G0 X0 Y0 F600\nG06.2 P3 K0 X0 Y0\nK0 X5\nK0 X9\nK1 X9 Y2\nK1 Y9\nK2\nK2\nK2\n".into(),
@@ -100,6 +98,42 @@ fn what_is_suspicious_is_exit_status_1() {
         assert!(said.starts_with(&format!("{name}: one thing is suspicious.")), "{name}: {said}");
         assert!(said.contains(expected), "{name}: {expected} in\n{said}");
     }
+}
+
+/// What changes nothing of the path is noted; only `--strict` ends with 1 for it.
+#[test]
+fn what_is_only_noted_is_exit_status_0_unless_strict() {
+    let folder = Folder::new();
+    for (name, program, expected) in [
+        ("dwell.nc", "G0 X0 Y0 F600\nG4 P.001\nG1 X9\n", "word beside the path"),
+        ("tolerance.ngc", "G64 P0.01\nG0 X0 Y0 F600\nG1 X9\n", "word beside the path"),
+        ("optional.nc", "G0 X0 Y0 F600\n/G1 X5\nG1 X9\n", "word beside the path"),
+        ("setting.nc", "$100=250\nG0 X0 Y0 F600\nG1 X9\n", "word beside the path"),
+        ("unknown.nc", "G1 Z5 F600\nG0 X0 Y0\nG1 X9\n", "approach from an unknown place: line 1"),
+        ("still.nc", "G0 X0 Y0 F600\nG1 X9\nG1 X9\nG1 Y9\n", "ends where it starts: line 3"),
+        ("short.nc", "G0 X0 Y0 F600\nG1 X9\nG1 X9.0002\n", "line 3: the move is 2.0e-4 mm long"),
+    ] {
+        let file = folder.file(name, program);
+        for (more, status, begin) in
+            [(&[][..], 0, "nothing is suspicious."), (&["--strict"][..], 1, "one thing is suspicious.")]
+        {
+            let output = check(&[&[file.as_str(), "--machine", "router"], more].concat());
+            let said = text(&output.stdout);
+            assert_eq!(output.status.code(), Some(status), "{name}: {said}{}", unfolded(&output.stderr));
+            assert!(said.starts_with(&format!("{name}: {begin}")), "{said}");
+            assert!(said.replace("\n            ", " ").contains(expected), "{name}: {expected} in\n{said}");
+            assert_eq!(said.contains("\nnoted  "), status == 0, "{said}");
+        }
+        let json = check(&[file.as_str(), "--machine", "router", "--json"]).stdout;
+        let json: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
+        let count = |key: &str| json[key].as_array().map(Vec::len);
+        assert_eq!((count("suspicious"), count("noted")), (Some(0), Some(1)), "{name}");
+    }
+    // A note is none for a script that wants results, warnings and errors alone.
+    let file = folder.file("quiet.nc", "G0 X0 Y0 F600\nG4 P.001\nG1 X9\n");
+    let said = |more: &[&str]| unfolded(&check(&[&[file.as_str(), "--units", "mm"], more].concat()).stderr);
+    assert!(said(&[]).starts_with("note: a dwell"), "{}", said(&[]));
+    assert_eq!(said(&["--quiet"]), "");
 }
 
 #[test]

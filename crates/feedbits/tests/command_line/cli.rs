@@ -325,18 +325,28 @@ fn the_fluctuation_that_is_asked_for_is_the_one_that_is_judged() {
 }
 
 #[test]
-fn rapid_moves_alone_are_run_as_if_they_cut_and_it_is_said() {
+fn rapid_moves_alone_are_not_good() {
     let folder = folder();
     let part = written(folder.path(), "r.nc", "G0 X0 Y0\nX10 Y5\nX30\n");
-    let output = feedbits(&["compare", &part, "--machine", &data("seed-000.toml"), "--formats", "f64"]);
-    assert!(
-        unfolded(&output.stderr).contains("every move is a rapid one: they are run at 200 mm/s"),
-        "{}",
-        unfolded(&output.stderr)
-    );
+    for command in ["compare", "size", "plan", "interpolate", "compile", "servo", "sweep", "smooth"] {
+        let more: &[&str] = match command {
+            "smooth" => &["--tolerance", "0.01"],
+            "interpolate" | "compile" => &["--format", "f64"],
+            _ => &[],
+        };
+        let words = [&[command, &part, "--machine", "router"], more].concat();
+        let output = feedbits_in(folder.path(), &words);
+        let said = unfolded(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command}: {said}");
+        assert!(said.contains("r.nc: every move is a rapid one"), "{command}: {said}");
+    }
+    let output = feedbits(&["check", &part]);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("every move is a rapid one: nothing is cut"), "{said}");
     let mixed = written(folder.path(), "m.nc", "G0 X0 Y0\nX10 Y5\nG1 X30 F600\n");
     let output = feedbits(&["compare", &mixed, "--machine", &data("seed-000.toml"), "--formats", "f64"]);
-    assert!(!unfolded(&output.stderr).contains("every move"), "{}", unfolded(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
 }
 
 #[test]

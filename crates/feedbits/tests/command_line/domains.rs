@@ -176,7 +176,7 @@ fn commands(option: &str) -> Vec<Vec<&'static str>> {
         "convert --tolerance" => vec![vec!["convert", "--to", "g1"]],
         "--digits" | "--ratios" => vec![vec!["convert", "--to", "g06.2"]],
         "--worse-by" => vec![vec!["compare", "--baseline", "b.json"], vec!["size", "--baseline", "b.json"]],
-        "--multipliers" | "--dividers" => vec![vec!["compare"], vec!["size"], vec!["sweep"]],
+        "--multipliers" | "--dividers" | "--clock" => vec![vec!["compare"], vec!["size"], vec!["sweep"]],
         "--start" => vec![vec!["check"], vec!["convert", "--to", "g1"]],
         "--override S" | "--override PERCENT" => vec![vec!["interpolate"]],
         _ => Vec::new(),

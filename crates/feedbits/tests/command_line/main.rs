@@ -24,6 +24,8 @@ mod servo;
 #[cfg(target_os = "linux")]
 mod signals;
 mod smooth;
+#[cfg(target_os = "linux")]
+mod statuses;
 mod stream;
 mod sweep;
 mod targets;

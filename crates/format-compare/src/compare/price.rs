@@ -1,5 +1,7 @@
 //! The runs of a comparison priced on targets.
 
+use std::cmp::Ordering;
+
 use real::FormatName;
 use target_cost::Target;
 
@@ -91,16 +93,18 @@ fn demand_that_it_fits(run: &mut JudgedRun, targets: &[Target]) {
 fn recommend(comparison: &mut Comparison, targets: &[Target]) {
     for target in targets {
         let price = |run: &JudgedRun| match run.cycles.get(&target.name) {
-            // The cost of an FPGA is its blocks first, that of a processor its time.
-            Some(Cost::Known(cost)) if cost.fits() != Some(false) => {
-                Some((f64::from(cost.dsp_blocks.unwrap_or(0)), cost.max))
-            }
+            // The cost of an FPGA is its blocks first, and then its LUTs; that of a processor its time.
+            Some(Cost::Known(cost)) if cost.fits() != Some(false) => Some([
+                f64::from(cost.dsp_blocks.unwrap_or(0)),
+                f64::from(cost.luts.unwrap_or(0)),
+                cost.microseconds_max.unwrap_or(cost.max),
+            ]),
             _ => None,
         };
         let good = comparison.formats.iter().filter(|run| run.verdict.is_good());
         let cheapest = good
             .filter_map(|run| Some((price(run)?, run)))
-            .min_by(|((a, b), _), ((c, d), _)| a.total_cmp(c).then(b.total_cmp(d)));
+            .min_by(|(a, _), (b, _)| a.partial_cmp(b).unwrap_or(Ordering::Equal));
         if let Some((_, run)) = cheapest {
             let choice = (run.format.clone(), run.engine);
             comparison.recommended_on.insert(target.name.clone(), choice);

@@ -38,6 +38,8 @@ pub struct PeriodCost {
     pub level: Level,
     /// The dearest period, in microseconds, if the clock is known.
     pub microseconds_max: Option<f64>,
+    /// Low and high of the dearest period, in microseconds: the fewest cycles at the fastest clock, the most at the slowest.
+    pub microseconds_range: Option<[f64; 2]>,
     /// The dearest period as a share of the interpolation period, if the clock is known.
     pub share_of_period: Option<f64>,
     /// The kind of operation that takes most of the work.
@@ -47,6 +49,9 @@ pub struct PeriodCost {
     /// DSP blocks, on an FPGA.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dsp_blocks: Option<u32>,
+    /// LUTs of the units that are shared, on an FPGA.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub luts: Option<u32>,
     /// On an FPGA, the least distance between the starts of two steps, of different axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub initiation_interval_max: Option<f64>,
@@ -67,6 +72,24 @@ impl PeriodCost {
     #[must_use]
     pub fn fits(&self) -> Option<bool> {
         self.share_of_period.map(|share| share <= 1.0)
+    }
+
+    /// Whether the dearest period is certainly longer than another's: the ranges do not overlap.
+    #[must_use]
+    pub fn is_longer_than(&self, other: &Self) -> bool {
+        match (self.microseconds_range, other.microseconds_range) {
+            (Some(own), Some(other)) => own[0] > other[1],
+            _ => self.max_range[0] > other.max_range[1],
+        }
+    }
+
+    /// Whether it certainly costs more than another: on a processor time; on an FPGA no block and no LUT less, and one of them or the
+    /// time more.
+    #[must_use]
+    pub fn is_dearer_than(&self, other: &Self) -> bool {
+        let (own, other_size) = ((self.dsp_blocks, self.luts), (other.dsp_blocks, other.luts));
+        let is_no_smaller = own.0 >= other_size.0 && own.1 >= other_size.1;
+        is_no_smaller && (own != other_size || self.is_longer_than(other))
     }
 }
 
@@ -102,7 +125,7 @@ pub(crate) fn cost(run: &RecordedRun, target: &Target, format: FormatName, perio
     }
     let all: f64 = work.values().sum();
     let (dominating, most) = work.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(("nothing", 0.0));
-    let clock = target.clock_mhz(format.bits()).filter(|_| target.measure == Measure::Cycles);
+    let clock = target.clock_mhz(format).filter(|_| target.measure == Measure::Cycles);
     let fpga = target.kind == Kind::Fpga;
     Cost::Known(PeriodCost {
         mean: mean.typical,
@@ -111,11 +134,13 @@ pub(crate) fn cost(run: &RecordedRun, target: &Target, format: FormatName, perio
         max_range: [max.low, max.high],
         measure: target.measure,
         level: if target.calibrated { Level::ScheduledOnCountedCosts } else { Level::Scheduled },
-        microseconds_max: clock.map(|mhz| max.typical / mhz),
-        share_of_period: clock.map(|mhz| max.typical / mhz * 1e-6 / period_s),
+        microseconds_max: clock.map(|mhz| max.typical / mhz.typical),
+        microseconds_range: clock.map(|mhz| [max.low / mhz.high, max.high / mhz.low]),
+        share_of_period: clock.map(|mhz| max.typical / mhz.typical * 1e-6 / period_s),
         dominating,
         dominating_share: if all > 0.0 { most / all } else { 0.0 },
         dsp_blocks: fpga.then(|| priced.iter().map(|(step, _)| step.dsp_blocks).max().unwrap_or(0)),
+        luts: fpga.then(|| priced.iter().map(|(step, _)| step.luts).max().unwrap_or(0)),
         initiation_interval_max: fpga
             .then(|| priced.iter().map(|(step, _)| step.initiation_interval.typical).fold(0.0, f64::max)),
     })

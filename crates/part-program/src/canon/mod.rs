@@ -50,7 +50,7 @@ use crate::arc::Plane;
 use crate::auxiliary::Auxiliary;
 use crate::canon::call::Call;
 use crate::canon::frame::Frame;
-use crate::diagnostic::Report;
+use crate::diagnostic::{Diagnostic, Report};
 use crate::exact_stops::{ExactStops, PathMode};
 use crate::options::ReadOptions;
 use crate::part::Part;
@@ -249,11 +249,8 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             "STOP_SPEED_FEED_SYNC" | "STOP_SPEED_FEED_SYNCH" => self.is_synchronous = false,
             "SET_MOTION_CONTROL_MODE" => self.motion_control_mode(call),
             "DWELL" => {
-                self.say_once(
-                    Once::Dwell,
-                    call.span,
-                    "dwells: the tool rests, and for how long is no part of the path",
-                );
+                let said = "dwells: the tool rests, and for how long is no part of the path";
+                self.say_once(Once::Dwell, call.span, said).map(Diagnostic::note);
                 self.rest();
             }
             "SET_SPINDLE_SPEED" => self.word(call, 'S', |numbers| numbers.last()),
@@ -403,12 +400,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
     }
 
     /// Warns of something that may be in every line, only the first time.
-    fn say_once(
-        &mut self,
-        what: Once,
-        span: Span,
-        message: &str,
-    ) -> Option<&mut crate::diagnostic::Diagnostic> {
+    fn say_once(&mut self, what: Once, span: Span, message: &str) -> Option<&mut Diagnostic> {
         if self.said.contains(&what) {
             return None;
         }

@@ -30,7 +30,7 @@ pub(crate) fn read_line(
     lexer.skip(|c| c.is_ascii_whitespace());
     if lexer.peek() == Some(b'/') {
         let span = lexer.span(lexer.at, lexer.at + 1);
-        lexer.report.of_kind(false, span, '/', "optional block: read as if the switch were off");
+        lexer.report.of_kind(false, span, '/', "optional block: read as if the switch were off").note();
         lexer.at += 1;
         // If a control has several block-skip switches, the digit is the number of one.
         lexer.skip(|c| c.is_ascii_digit());
@@ -107,12 +107,8 @@ impl Lexer<'_, '_, '_> {
         match text.as_bytes() {
             [b'$', b'H' | b'h', ..] => self.read.is_homing = true,
             [b'$' | b'?' | b'!' | b'~', ..] => {
-                self.report.of_kind(
-                    false,
-                    span,
-                    '$',
-                    format!("`{text}` sets the control up: it is left out"),
-                );
+                let said = format!("`{text}` sets the control up: it is left out");
+                self.report.of_kind(false, span, '$', said).note();
             }
             _ if is_command => {
                 self.report.of_kind(

@@ -84,6 +84,7 @@ impl Reader<'_, '_, '_> {
             );
             self.report
                 .of_kind(false, span, "start", message)
+                .note()
                 .hint("`--start X,Y,Z` says where the tool is at first");
         }
         let line = self.line_of(span);

@@ -279,24 +279,24 @@ impl Reader<'_, '_, '_> {
                 self.modal.path_mode = PathMode::Continuous;
                 let may_have = if self.may_be(&[Dialect::LinuxCnc]) { &b"PQ"[..] } else { &[] };
                 if may_have.iter().filter(|letter| block.take_letter(**letter).is_some()).count() > 0 {
-                    self.report.warning(word.span, "a tolerance of the path: it is taken as commanded");
+                    let said = "a tolerance of the path: it is taken as commanded";
+                    self.report.warning(word.span, said).note();
                 }
             }
             // Rounding at the ends of blocks.
             6410 | 6420 | 6430 | 6440 | 6450 => {
-                self.report.warning(word.span, "blocks are rounded: the path is taken as commanded");
+                self.report.warning(word.span, "blocks are rounded: the path is taken as commanded").note();
                 self.modal.path_mode = PathMode::Continuous;
             }
             620 | 630 => {
                 self.report
-                    .warning(word.span, "a cutting mode that changes feeds: they are taken as commanded");
+                    .warning(word.span, "a cutting mode that changes feeds: they are taken as commanded")
+                    .note();
                 self.modal.path_mode = PathMode::Continuous;
             }
             40 => {
-                self.report.warning(
-                    word.span,
-                    "a dwell: the tool rests here, and for how long is no part of the path",
-                );
+                let said = "a dwell: the tool rests here, and for how long is no part of the path";
+                self.report.warning(word.span, said).note();
                 // LinuxCNC's time is P, FANUC's P or X, Siemens' F or S.
                 let letters: &[u8] = match dialect {
                     Some(Dialect::LinuxCnc) => b"P",
