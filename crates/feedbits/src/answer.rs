@@ -58,17 +58,14 @@ fn answer(comparison: &Comparison, target: Option<&str>) -> String {
         Some(FewestBits::Found { format, bits, margin, .. }) => {
             format!("{bits} bits are enough: {format}, {} better than asked.\n", times(*margin))
         }
-        // More bits would not help either.
-        Some(FewestBits::None { .. }) if comparison.not_a_question_of_format.is_some() => String::new(),
         Some(FewestBits::None { up_to_bits }) => {
             format!("Not even {up_to_bits} bits are enough in one fixed-point format.\n")
         }
-        Some(FewestBits::LeftOut { periods }) => {
-            format!(
-                "The search for the fewest bits is left out: {periods} periods without a rest would be run many times. `feedbits size` makes it.\n"
-            )
+        Some(FewestBits::BrokenByPlan { broken, .. }) if comparison.not_a_question_of_format.is_none() => {
+            format!("More bits would not help: f64 has {}, too.\n", broken.join("; "))
         }
-        None => String::new(),
+        // Said below.
+        Some(FewestBits::BrokenByPlan { .. }) | None => String::new(),
     };
     let good: Vec<_> = comparison.formats.iter().filter(|row| row.verdict.is_good()).collect();
     let first = comparison.recommended.as_ref().zip(comparison.recommended_engine);

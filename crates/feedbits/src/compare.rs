@@ -8,7 +8,7 @@ use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use foreign_text::in_a_line;
 use format_compare::{
-    Compared, Comparison, Dimension, Engine, JudgedRun, Machine, Options, PlanIn, Problem, Space, Watch,
+    Compared, Comparison, Dimension, Engine, JudgedRun, Machine, Options, Problem, Space, Watch,
 };
 use target_cost::Target;
 
@@ -173,9 +173,9 @@ where
         format_compare::price(compared, problem, targets, options, || progress.step())?;
         progress.finish();
     }
-    if wants_fewest_bits {
+    // Where each format plans for itself, no plan is common to the rows and the search.
+    if let Some(plan) = compared.plan.as_ref().filter(|_| wants_fewest_bits) {
         let progress = Progress::spinning("looking for the fewest bits");
-        let plan = compared.plan.as_ref().filter(|_| options.plan_in == PlanIn::default());
         let found = format_compare::fewest_bits(problem, plan, &compared.comparison.formats, options)?;
         compared.comparison.fewest_bits = Some(found);
         progress.finish();

@@ -188,7 +188,7 @@ fn a_comparison_on_targets() {
 fn nothing_that_is_good_enough() {
     let broken = requirement("corner error", [2.6e-3, 2e-3], "corner error 2.60e-3 > 2.00e-3 mm in line 4");
     let comparison = Comparison {
-        fewest_bits: Some(FewestBits::None { up_to_bits: 48 }),
+        fewest_bits: Some(FewestBits::BrokenByPlan { up_to_bits: 48, broken: vec![broken.broken.clone()] }),
         not_a_question_of_format: Some(NotOfFormat {
             run: "f64 pieces".to_owned(),
             time_s: 1.185,
@@ -199,8 +199,10 @@ fn nothing_that_is_good_enough() {
         ..comparison("a made-up part", vec![run("I16F16", 5.1e-7, &[&broken.broken])])
     };
     shows(&compared(&comparison, &[]), &expect_file!["../tests/command_line/terminal/none.txt"]);
-    // More bits are no question only where they would not help.
-    let of_format = Comparison { not_a_question_of_format: None, ..comparison };
+    // It is said once that more bits would not help.
+    let unexplained = Comparison { not_a_question_of_format: None, ..comparison };
+    assert!(compared(&unexplained, &[]).contains("More bits would not help: f64 has corner error 2.60e-3"));
+    let of_format = Comparison { fewest_bits: Some(FewestBits::None { up_to_bits: 48 }), ..unexplained };
     assert!(compared(&of_format, &[]).contains("Not even 48 bits are enough"));
 }
 

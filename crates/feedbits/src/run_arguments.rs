@@ -31,8 +31,8 @@ pub(crate) struct RunArguments {
     /// Fluctuation that is good enough, in place of the machine file's `fluctuation_limit`.
     #[arg(long, value_name = "RATIO", value_parser = number(&FLUCTUATION))]
     fluctuation: Option<f64>,
-    /// Fluctuation that the solver stops at. Default: the one that is good enough with de-boor and for `size`, else the
-    /// format's resolution.
+    /// Fluctuation that the solver stops at. Default: the one that is good enough with de-boor, else the format's
+    /// resolution.
     #[arg(long, value_name = "RATIO", value_parser = number(&SOLVER_TOLERANCE))]
     solver_tolerance: Option<f64>,
 }

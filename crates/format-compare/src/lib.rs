@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `problem/` | what is run, within which limits, and how long does that take at the least? | [`Problem`], [`LeastPeriods`] |
 //! | `plan/` | what is the plan, exactly, and what does it ask of the machine? | [`ExactPlan`], [`PlanSummary`], [`FeedSample`], [`AxisPeak`] |
-//! | `run/` | which formats are there, and what does each make of a plan? | [`formats`], [`select`], [`plan_for`], [`Format::run`] → [`Run`]; [`Format::run_before`] an [`Observer`] |
+//! | `run/` | which formats are there, and what does each make of a plan? | [`formats`], [`select`], [`plan_for`], [`Format::run`] → [`Run`]; [`Format::run_job`] of a [`Job`] before an [`Observer`] |
 //! | | how is it run? Engine, profile, feed overrides | [`Options`], [`Engine`], [`Overrides`] |
 //! | | which operations does a step take, and what does a controller get? | [`RecordedRun`], [`Constants`], [`StreamRequest`] |
 //! | `cost/` | what does a period cost on a target? | [`Cost`] |
@@ -61,7 +61,7 @@ mod plan {
 mod run {
     pub(crate) mod at_cruise;
     pub(crate) mod auditor;
-    mod by_engine;
+    pub(crate) mod by_engine;
     pub(crate) mod c_files;
     pub(crate) mod constants;
     mod few_backends;
@@ -138,6 +138,7 @@ pub use run::constants::Constants;
 pub use run::formats::{
     Dimension, Format, Space, common_or_plan_for, format_named, formats, plan_for, select,
 };
+pub use run::job::Job;
 pub use run::observer::Observer;
 pub use run::options::{Engine, Options, PlanIn};
 pub use run::overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};

@@ -112,6 +112,8 @@ mod pieces {
     #[cfg(feature = "alloc")]
     pub(crate) mod cut;
     #[cfg(feature = "alloc")]
+    pub(crate) mod cut_path;
+    #[cfg(feature = "alloc")]
     mod hodograph;
     #[cfg(feature = "alloc")]
     mod local_piece;
@@ -203,6 +205,7 @@ pub use {
         compile::{compile, compile_with_stops},
         compile_error::CompileError,
         cut::PieceLimits,
+        cut_path::CutPath,
         pieces_buf::PiecesBuf,
         place::Place,
         ranges::SignalBound,

@@ -162,7 +162,7 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
 }
 
 /// At 1 mm/s and 0.25 ms a step is as short as the grid of a narrow format's positions. The parameter, an integer of 64
-/// bits, is much finer. The path is too long for a search of the fewest bits, which would take most of the time.
+/// bits, is much finer.
 #[test]
 fn what_positions_are_rounded_by_is_told_and_judged() {
     let folder = folder();

@@ -16,7 +16,8 @@ use crate::plan::exact_plan::ExactPlan;
 use crate::plan::plan_summary::OverLimits;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
-use crate::run::formats::{Dimension, Format, Space, common_or_plan_for, plan_for};
+use crate::run::formats::{Dimension, Format, Space, plan_for};
+use crate::run::job::Job;
 use crate::run::observer::Observer;
 use crate::run::options::{Engine, Options, PlanIn};
 use crate::size::fewest_bits::FewestBits;
@@ -44,7 +45,8 @@ pub struct Comparison {
     /// The cheapest good format on each target, with the engine that runs it.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub recommended_on: BTreeMap<String, (String, Engine)>,
-    /// The fewest bits that are enough, if [`fewest_bits`](crate::fewest_bits()) was called.
+    /// The fewest bits that are enough, if [`fewest_bits`](crate::fewest_bits()) was called. It searches among formats that follow a
+    /// common plan: where each plans for itself, there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fewest_bits: Option<FewestBits>,
     /// Why no format is good if even `f64` is not: the result of [`not_of_format`](crate::not_of_format), if it was
@@ -148,8 +150,8 @@ where
     };
     // No run asks for the limit, only a page with traces does.
     let common = common.map(|plan| if watch.traces { plan } else { plan.without_limit() });
-    let runs: Vec<(&dyn Format<D>, Engine)> =
-        formats.iter().flat_map(|format| engines.iter().map(|engine| (format.as_ref(), *engine))).collect();
+    let runs: Vec<(&dyn Format<D>, usize)> =
+        formats.iter().flat_map(|format| (0..engines.len()).map(|index| (format.as_ref(), index))).collect();
     let planned = common.as_ref().map_or(0, ExactPlan::periods);
     let (all, done) = (planned * runs.len() as u64, AtomicU64::new(0));
     let judge = Judge {
@@ -159,14 +161,22 @@ where
         starts_at_rest: options.starts_at_rest(),
         traced: watch.traces.then(|| Coarseness::of(planned, reference.length_mm())),
         progress: &|periods| (watch.progress)(done.fetch_add(periods, Ordering::Relaxed) + periods, all),
+        is_enough: None,
     };
-    let judged = |(format, engine): (&dyn Format<D>, Engine)| {
-        let options = &Options { engine, ..options.clone() };
-        let run = |observer: &dyn Observer| {
-            let plan = common_or_plan_for(common.as_ref(), problem, format, options)?;
-            format.run_before(problem, &plan, options, observer)
+    let by_engine: Vec<_> =
+        engines.iter().map(|engine| Options { engine: *engine, ..options.clone() }).collect();
+    // The path is cut once for all formats that follow the common plan.
+    let jobs: Vec<_> = by_engine
+        .iter()
+        .map(|options| common.as_ref().map(|plan| Job::new(problem, plan, options)))
+        .collect();
+    let judged = |(format, index): (&dyn Format<D>, usize)| {
+        let (options, job) = (&by_engine[index], &jobs[index]);
+        let run = |observer: &dyn Observer| match job {
+            Some(job) => format.run_job(job, observer),
+            None => format.run_before(problem, &plan_for(problem, format, options)?, options, observer),
         };
-        let name = (format.name(), engine);
+        let name = (format.name(), options.engine);
         match judge.judge(run) {
             Ok((run, judgement)) => (JudgedRun::of(name, problem, &run, &judgement), judgement.trace),
             Err(refusal) => (JudgedRun::refused(name, &refusal), None),

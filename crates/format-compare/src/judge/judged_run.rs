@@ -12,6 +12,7 @@ use crate::judge::metrics::{Fluctuation, PerPeriod};
 use crate::judge::reference::Reference;
 use crate::judge::requirement::{Findings, Requirement, requirements};
 use crate::judge::stated_limits::{hidden_at_corners_mm, seen_within_mm, stated_limits};
+use crate::judge::tally::Tally;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::observer::Observer;
@@ -104,6 +105,7 @@ impl JudgedRun {
             starts_at_rest: options.starts_at_rest(),
             traced: None,
             progress: &|_| (),
+            is_enough: None,
         };
         let (run, judgement) = judge.judge(run)?;
         Ok(Self::of(name, problem, &run, &judgement))
@@ -117,28 +119,15 @@ impl JudgedRun {
         judged: &Judgement<D>,
     ) -> Self {
         let tally = &judged.tally;
-        let (fluctuation, worst_fluctuation) = tally.fluctuation();
-        let saturations = run.extremes.overflows + run.extremes.divisions_by_zero;
-        let seen_within_mm = seen_within_mm(run, problem);
-        let found = Findings {
-            fluctuation: worst_fluctuation,
-            saturations,
-            chord_error_mm: tally.chord_error_mm,
-            corner_error_mm: tally.corner_error_mm,
-            position_error_mm: tally.position_error_mm,
-            end_error_mm: judged.end_error_mm,
-            limits: tally.differences.findings(seen_within_mm, hidden_at_corners_mm(&problem.machine)),
-            periods: tally.steps,
-            last: tally.last,
-        };
+        let found = findings(problem, run, tally, judged.end_error_mm);
         let requirements = requirements(run, problem, &found);
         Self {
             format: format.to_string(),
             bits: format.bits(),
             engine,
-            fluctuation: Some(fluctuation),
+            fluctuation: Some(tally.fluctuation().0),
             evaluations: Some(tally.evaluations.per_period()),
-            saturations: Some(saturations),
+            saturations: Some(found.saturations),
             integer_bits_needed: Some(run.extremes.integer_bits_needed()),
             chord_error_mm_max: Some(found.chord_error_mm.figure),
             corner_error_mm_max: Some(found.corner_error_mm.figure),
@@ -160,6 +149,36 @@ impl JudgedRun {
     pub fn is_refused(&self) -> bool {
         matches!(self.verdict, Verdict::Refused(_))
     }
+}
+
+/// What the figures of a run say of each requirement.
+fn findings<const D: usize>(
+    problem: &Problem<D>,
+    run: &AboutRun,
+    tally: &Tally,
+    end_error_mm: f64,
+) -> Findings {
+    let seen_within_mm = seen_within_mm(run, problem);
+    Findings {
+        fluctuation: tally.fluctuation().1,
+        saturations: run.extremes.overflows + run.extremes.divisions_by_zero,
+        chord_error_mm: tally.chord_error_mm,
+        corner_error_mm: tally.corner_error_mm,
+        position_error_mm: tally.position_error_mm,
+        end_error_mm,
+        limits: tally.differences.findings(seen_within_mm, hidden_at_corners_mm(&problem.machine)),
+        periods: tally.steps,
+        last: tally.last,
+    }
+}
+
+/// The requirements of a run of `problem` of which a part was judged: what the part breaks, the whole does.
+pub(crate) fn requirements_so_far<const D: usize>(
+    problem: &Problem<D>,
+    run: &AboutRun,
+    part: &Tally,
+) -> Vec<Requirement> {
+    requirements(run, problem, &findings(problem, run, part, 0.0))
 }
 
 /// Whether a format meets the machine file's requirements.

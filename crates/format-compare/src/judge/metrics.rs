@@ -111,6 +111,12 @@ impl<P: Copy> FluctuationTally<P> {
         }
     }
 
+    /// Expects a step of this length, in mm, elsewhere in the run.
+    pub(crate) fn expect_step(&mut self, wanted_mm: f64) {
+        self.at_cruise.note_length(wanted_mm);
+        self.commanded_at_cruise.note_length(wanted_mm);
+    }
+
     /// Adds the next step.
     pub(crate) fn add(&mut self, step: &JudgedStep, place: P) {
         self.add_last();

@@ -150,7 +150,7 @@ where
 
 /// Whether a requirement concerns the path, and its figure is more than the digits of `run` can cause: rounding of its
 /// positions, and of lengths and positions in a step of F·T.
-fn is_beyond_rounding(one: &Requirement, run: &JudgedRun, full_step_mm: f64) -> bool {
+pub(crate) fn is_beyond_rounding(one: &Requirement, run: &JudgedRun, full_step_mm: f64) -> bool {
     let [place, length] =
         [run.position_resolution_mm, run.fluctuation_resolution].map(Option::unwrap_or_default);
     let rounding = match (one.what, one.unit) {

@@ -124,6 +124,11 @@ impl Tally {
         }
     }
 
+    /// Expects a step of this length, in mm, elsewhere in the run: steps are at cruise if they are at least a quarter as long.
+    pub(crate) fn expect_step(&mut self, wanted_mm: f64) {
+        self.fluctuation.expect_step(wanted_mm);
+    }
+
     /// The fluctuation, with the first step that has the largest at cruise.
     pub(crate) fn fluctuation(&self) -> (Fluctuation, Worst) {
         let (figures, at) = self.fluctuation.figures(self.ends_at_rest);

@@ -1,5 +1,6 @@
 //! A plan that every format can use: the stages in double-double, which holds the numbers of each format exactly.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use feed_plan::{
@@ -10,7 +11,7 @@ use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
 
 use crate::plan::in_format::{exact, in_format, limits_in_format, nearest};
-use crate::plan::lengths::{Lengths, SectionPeriods, section_periods};
+use crate::plan::lengths::{self, Lengths, SectionPeriods, section_periods};
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 
@@ -228,6 +229,13 @@ impl ExactPlan {
     #[must_use]
     pub fn schedule(&self) -> Schedule<'_, DoubleDouble> {
         Schedule::new(&self.chords, DoubleDouble::from(1.0), self.periods)
+    }
+
+    /// The part of the [`schedule`](Self::schedule) that takes these periods, which are those of whole sections.
+    pub(crate) fn schedule_within(&self, periods: &Range<u64>) -> Schedule<'_, DoubleDouble> {
+        let stage = |period| lengths::first_stage(&self.sections, period).unwrap_or(self.chords.len());
+        let stages = self.chords.get(stage(periods.start)..stage(periods.end)).unwrap_or_default();
+        Schedule::new(stages, DoubleDouble::from(1.0), periods.end - periods.start)
     }
 
     /// Curve and parameter of each rest, in order.

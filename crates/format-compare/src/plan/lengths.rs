@@ -24,6 +24,12 @@ pub(crate) fn section_periods(stages: &[Stage<DoubleDouble>]) -> Vec<SectionPeri
     sections(stages).map(section).collect()
 }
 
+/// The number of the stage with which the section begins that begins at this period, or behind it; `None` behind the last.
+pub(crate) fn first_stage(sections: &[SectionPeriods], period: u64) -> Option<usize> {
+    let section = sections.partition_point(|section| section.first_period < period);
+    sections.get(section).map(|section| section.first_stage)
+}
+
 /// The distance of each period, in mm, exact to the reference's precision, with the feed at the period's end, in mm per
 /// period. Each section is walked on its own clock.
 #[derive(Clone, Debug)]

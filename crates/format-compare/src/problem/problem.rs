@@ -4,8 +4,6 @@
 //! move or a gap in a drawing, a move begins elsewhere than the one before it ends. The machine rests there and makes
 //! another move, and the path goes on where the next move begins.
 
-use std::ops::Range;
-
 use feed_plan::{AxisLimits, FeedLimit, Junction, KinematicLimits, PlanError};
 use nurbs_core::{CompileError, CurveError, FastCurve, NurbsBuf};
 use part_program::{Machine, MoveKind, Part, Rest};
@@ -92,23 +90,6 @@ impl<const D: usize> Problem<D> {
             filament_mm,
             machine,
         })
-    }
-
-    /// A problem of the curves of this range alone, on the same machine. It rests where the range begins and ends.
-    #[must_use]
-    pub(crate) fn part(&self, curves: Range<usize>) -> Self {
-        let of_range = |all: &[usize]| {
-            let inner = all.iter().filter(|curve| curves.start < **curve && **curve < curves.end);
-            inner.map(|curve| curve - curves.start).collect()
-        };
-        Self {
-            curves: self.curves.get(curves.clone()).unwrap_or_default().to_vec(),
-            feeds_mm_per_s: self.feeds_mm_per_s.get(curves.clone()).unwrap_or_default().to_vec(),
-            lines: self.lines.get(curves.clone()).unwrap_or_default().to_vec(),
-            stops: of_range(&self.stops),
-            breaks: of_range(&self.breaks),
-            ..self.clone()
-        }
     }
 
     /// Whether the machine rests before it begins this curve, whatever the directions there.

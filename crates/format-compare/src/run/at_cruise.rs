@@ -59,7 +59,8 @@ impl<P: Copy> GreatestAtCruise<P> {
         AT_CRUISE * self.full_step_mm.min(self.longest_mm)
     }
 
-    fn note_length(&mut self, wanted_mm: f64) {
+    /// Takes account of a step of this length, wherever it is in the run.
+    pub(crate) fn note_length(&mut self, wanted_mm: f64) {
         if wanted_mm > self.longest_mm {
             self.longest_mm = wanted_mm;
             let least = self.least_mm();

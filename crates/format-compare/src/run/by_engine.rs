@@ -10,6 +10,7 @@ use crate::run::auditor::Auditor;
 use crate::run::few_backends::{Work, in_format_named};
 use crate::run::job::Job;
 use crate::run::observer::{Observer, threads_for};
+use crate::run::on_pieces::PlannedSection;
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{AboutRun, own_step_mm};
 use crate::run::{on_global_parameter, on_pieces};
@@ -24,7 +25,10 @@ pub(crate) fn audited<R: Backend, const D: usize>(
         Some(method) => in_format_named(R::name(), OnGlobalParameter { job, method, observer }),
         None => on_pieces::run::<R, D>(job, threads_for(observer), observer),
     }?;
-    run.filament_step_mm = job.problem.filament_mm.filter(|farthest| *farthest > 0.0).map(own_step_mm::<R>);
+    run.filament_step_mm = filament_step_mm::<R, D>(job);
+    if observer.is_over() {
+        return Ok(run);
+    }
     if observer.wants_signals() {
         let audit = in_format_named(R::name(), Auditing::<Audit, D>::of(job))?;
         (run.extremes, run.audit) = (Extremes::from(&audit), Some(audit));
@@ -32,6 +36,20 @@ pub(crate) fn audited<R: Backend, const D: usize>(
         run.extremes = in_format_named(R::name(), Auditing::<Extremes, D>::of(job))?;
     }
     Ok(run)
+}
+
+/// Runs one section on pieces, without an audit.
+pub(crate) fn section<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
+    section: &PlannedSection,
+    observer: &dyn Observer,
+) -> Result<AboutRun, Refusal> {
+    let run = on_pieces::run_section::<R, D>(job, section, observer)?;
+    Ok(AboutRun { filament_step_mm: filament_step_mm::<R, D>(job), ..run })
+}
+
+fn filament_step_mm<R: Backend, const D: usize>(job: &Job<'_, D>) -> Option<f64> {
+    job.problem.filament_mm.filter(|farthest| *farthest > 0.0).map(own_step_mm::<R>)
 }
 
 /// A run on one curve's own parameter.

@@ -40,17 +40,25 @@ pub trait Format<const D: usize>: Send + Sync {
     fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal>;
 
     /// Interpolates in this format, following a plan made in any format. `observer` looks at the steps while they are
-    /// made, on all cores; no step is kept.
+    /// made, on all cores; no step is kept. Where several formats run the same job, its path is cut into pieces once.
     ///
     /// # Errors
     /// [`Refusal`] when the part, the plan or a limit does not fit the format.
+    fn run_job(&self, job: &Job<'_, D>, observer: &dyn Observer) -> Result<AboutRun, Refusal>;
+
+    /// [`run_job`](Self::run_job) of a problem by a plan of it.
+    ///
+    /// # Errors
+    /// As [`run_job`](Self::run_job).
     fn run_before(
         &self,
         problem: &Problem<D>,
         plan: &ExactPlan,
         options: &Options,
         observer: &dyn Observer,
-    ) -> Result<AboutRun, Refusal>;
+    ) -> Result<AboutRun, Refusal> {
+        self.run_job(&Job::new(problem, plan, options), observer)
+    }
 
     /// The same run with all its steps, about a hundred bytes a period.
     ///
@@ -144,14 +152,8 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         in_format_named(self.within(R::name), Planning { problem, options })
     }
 
-    fn run_before(
-        &self,
-        problem: &Problem<D>,
-        plan: &ExactPlan,
-        options: &Options,
-        observer: &dyn Observer,
-    ) -> Result<AboutRun, Refusal> {
-        self.within(|| by_engine::audited::<R, D>(&Job { problem, plan, options }, observer))
+    fn run_job(&self, job: &Job<'_, D>, observer: &dyn Observer) -> Result<AboutRun, Refusal> {
+        self.within(|| by_engine::audited::<R, D>(job, observer))
     }
 
     fn record(
@@ -161,7 +163,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         most: usize,
     ) -> Result<RecordedRun, Refusal> {
-        in_format_named(self.within(R::name), Recording { job: Job { problem, plan, options }, most })
+        in_format_named(self.within(R::name), Recording { job: Job::new(problem, plan, options), most })
     }
 
     fn constants(
@@ -170,7 +172,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         plan: &ExactPlan,
         options: &Options,
     ) -> Result<Constants, Refusal> {
-        in_format_named(self.within(R::name), Compiling { job: Job { problem, plan, options } })
+        in_format_named(self.within(R::name), Compiling { job: Job::new(problem, plan, options) })
     }
 
     fn c_files(
@@ -180,7 +182,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         request: &CRequest,
     ) -> Result<CFiles, Refusal> {
-        in_format_named(self.within(R::name), WritingC { job: Job { problem, plan, options }, request })
+        in_format_named(self.within(R::name), WritingC { job: Job::new(problem, plan, options), request })
     }
 
     fn stream(
@@ -190,11 +192,11 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         request: &mut StreamRequest<'_>,
     ) -> Result<StreamHeader, StreamFailure> {
-        in_format_named(self.within(R::name), Streaming { job: Job { problem, plan, options }, request })
+        in_format_named(self.within(R::name), Streaming { job: Job::new(problem, plan, options), request })
     }
 
     fn vectors(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Vectors, Refusal> {
-        in_format_named(self.within(R::name), WritingVectors { job: Job { problem, plan, options } })
+        in_format_named(self.within(R::name), WritingVectors { job: Job::new(problem, plan, options) })
     }
 }
 

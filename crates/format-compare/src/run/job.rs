@@ -1,20 +1,49 @@
 //! The input of a run: a problem, a plan of it, and the options.
 
+use std::sync::OnceLock;
+
 use feed_plan::Lead;
+use nurbs_core::{CutPath, NurbsBuf, PieceLimits};
+use real::DoubleDouble;
 
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
 use crate::run::options::Options;
 
-/// A run that is to be made.
-#[derive(Clone, Copy)]
-pub(crate) struct Job<'a, const D: usize> {
+/// A run that is to be made, in one format or in several.
+pub struct Job<'a, const D: usize> {
     pub(crate) problem: &'a Problem<D>,
     pub(crate) plan: &'a ExactPlan,
     pub(crate) options: &'a Options,
+    /// The result of [`cut`](Self::cut), made at the first call.
+    cut: OnceLock<Result<CutPath<DoubleDouble, D>, Refusal>>,
 }
 
-impl<const D: usize> Job<'_, D> {
+impl<'a, const D: usize> Job<'a, D> {
+    /// The run of `problem` by a plan of it.
+    #[must_use]
+    pub fn new(problem: &'a Problem<D>, plan: &'a ExactPlan, options: &'a Options) -> Self {
+        Self { problem, plan, options, cut: OnceLock::new() }
+    }
+
+    /// The path cut into pieces, with a joint at each rest of the plan: what all formats have in common.
+    pub(crate) fn cut(&self) -> Result<&CutPath<DoubleDouble, D>, Refusal> {
+        self.cut.get_or_init(|| self.make_cut()).as_ref().map_err(Refusal::clone)
+    }
+
+    fn make_cut(&self) -> Result<CutPath<DoubleDouble, D>, Refusal> {
+        let Self { problem, plan, options, .. } = self;
+        let limits = problem.limits_per_period()?;
+        let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
+        // With overrides, the plan is made for the highest of them, and a coarse format may round the feed up.
+        let fastest = limits.feedrate.max(plan.greatest_feed());
+        let limits =
+            PieceLimits { length_mm: options.piece_length_mm, step_mm: fastest + limits.acceleration };
+        let stops: Vec<_> = plan.rests().collect();
+        CutPath::new(&curves, &limits, &stops).map_err(|error| problem.refusal(error))
+    }
+
     /// Periods after which the run is given up: the format cannot run this plan.
     pub(crate) fn most_periods(&self) -> u64 {
         most_periods(self.plan.periods())

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::refusal::Refusal;
@@ -24,6 +25,11 @@ pub trait Observer: Sync {
         false
     }
 
+    /// Whether enough was seen: then the run ends, and its other steps are not made.
+    fn is_over(&self) -> bool {
+        false
+    }
+
     /// Looks at the steps of a stretch. Stretches are numbered from 0; several threads may be here at a time.
     fn look(&self, stretch: usize, steps: &mut dyn Iterator<Item = RunStep>);
 
@@ -38,21 +44,29 @@ pub(crate) fn threads_for(observer: &dyn Observer) -> Threads {
 }
 
 /// An observer that makes a value of each stretch and adds the values up in order.
-pub(crate) struct Collected<T, S, L, A> {
+pub(crate) struct Collected<'a, T, S, L, A> {
     sum: Mutex<S>,
     waiting: Mutex<BTreeMap<usize, T>>,
     look: L,
     add: A,
     wants_signals: bool,
+    is_over: Option<&'a AtomicBool>,
 }
 
-impl<T, S, L, A> Collected<T, S, L, A>
+impl<'a, T, S, L, A> Collected<'a, T, S, L, A>
 where
-    L: Fn(&mut dyn Iterator<Item = RunStep>) -> T,
+    L: Fn(usize, &mut dyn Iterator<Item = RunStep>) -> T,
     A: Fn(&mut S, T),
 {
+    /// Begins with `sum`. `look` is given the number of a stretch and its steps.
     pub(crate) fn new(sum: S, look: L, add: A) -> Self {
-        Self { sum: Mutex::new(sum), waiting: Mutex::default(), look, add, wants_signals: false }
+        let waiting = Mutex::default();
+        Self { sum: Mutex::new(sum), waiting, look, add, wants_signals: false, is_over: None }
+    }
+
+    /// The same, which ends the run once the flag is set.
+    pub(crate) fn until(self, is_over: &'a AtomicBool) -> Self {
+        Self { is_over: Some(is_over), ..self }
     }
 
     /// The same, which wants the run's signals by name, or not.
@@ -69,19 +83,23 @@ where
     }
 }
 
-impl<T, S, L, A> Observer for Collected<T, S, L, A>
+impl<T, S, L, A> Observer for Collected<'_, T, S, L, A>
 where
     T: Send,
     S: Send,
-    L: Fn(&mut dyn Iterator<Item = RunStep>) -> T + Sync,
+    L: Fn(usize, &mut dyn Iterator<Item = RunStep>) -> T + Sync,
     A: Fn(&mut S, T) + Sync,
 {
     fn wants_signals(&self) -> bool {
         self.wants_signals
     }
 
+    fn is_over(&self) -> bool {
+        self.is_over.is_some_and(|is_over| is_over.load(Ordering::Relaxed))
+    }
+
     fn look(&self, stretch: usize, steps: &mut dyn Iterator<Item = RunStep>) {
-        let seen = (self.look)(steps);
+        let seen = (self.look)(stretch, steps);
         self.waiting().insert(stretch, seen);
     }
 
@@ -96,7 +114,7 @@ pub(crate) fn with_steps(
     run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
 ) -> Result<Run, Refusal> {
     let add = |all: &mut Vec<RunStep>, own: Vec<RunStep>| all.extend(own);
-    let kept = Collected::new(Vec::new(), |steps| steps.collect(), add);
+    let kept = Collected::new(Vec::new(), |_, steps| steps.collect(), add);
     let about = run(&kept)?;
     Ok(Run { steps: kept.sum(), about })
 }
@@ -114,12 +132,12 @@ pub(crate) fn in_stretches<I: Iterator<Item = RunStep> + Send>(
         let mut steps = steps(stretch);
         observer.look(number, &mut steps);
         // An observer may have looked at the first steps only.
-        steps.by_ref().for_each(drop);
+        steps.by_ref().take_while(|_| !observer.is_over()).for_each(drop);
         steps
     };
     in_order(threads, &stretches(periods), work, |number, steps| {
         observer.take(number);
-        add(steps)
+        if observer.is_over() { ControlFlow::Break(()) } else { add(steps) }
     });
 }
 

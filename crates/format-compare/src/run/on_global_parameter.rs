@@ -65,7 +65,7 @@ pub(crate) fn record<R: Backend, const D: usize>(
 /// Converts the path and its plan to `R`, divides them at rests so that a run lands on each, and passes the parts to
 /// `work`. Rests whose parameters are equal in a coarse format divide nothing.
 fn prepared<R: Backend, const D: usize, T>(
-    Job { problem, plan, options }: &Job<'_, D>,
+    Job { problem, plan, options, .. }: &Job<'_, D>,
     method: Method,
     work: impl FnOnce(&[RestToRest<'_, R, D>]) -> T,
 ) -> Result<T, Refusal> {

@@ -1,8 +1,9 @@
 //! A run on compiled pieces.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
-use nurbs_core::{NurbsBuf, PieceLimits, compile_with_stops};
+use feed_plan::Schedule;
+use nurbs_core::PiecesBuf;
 use real::{Audit, Audited, Backend, DoubleDouble, Real, Recorded};
 use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError, Section};
 
@@ -34,6 +35,49 @@ pub(crate) fn run<R: Backend, const D: usize>(
         None => run_stretches(job, &path, threads, observer),
     };
     Ok(about(job, &path, &outcome))
+}
+
+/// A section of the path and the plan, whatever the format.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PlannedSection {
+    /// Its pieces.
+    pub(crate) pieces: Range<usize>,
+    /// Its periods, counted from the begin of the plan.
+    pub(crate) periods: Range<u64>,
+}
+
+/// The sections of a run, in order. They are those of every format: f64 is taken.
+pub(crate) fn planned_sections<const D: usize>(job: &Job<'_, D>) -> Result<Vec<PlannedSection>, Refusal> {
+    let path = compiled::<f64, D>(job)?;
+    let periods = section_periods(&path).scan(0, |end, periods| {
+        let begin = *end;
+        *end += periods;
+        Some(begin..*end)
+    });
+    let planned =
+        |(section, periods): (&Section, _)| PlannedSection { pieces: section.pieces.clone(), periods };
+    Ok(path.sections().iter().zip(periods).map(planned).collect())
+}
+
+/// Runs one section as [`run`] does on its way, compiling nothing else.
+pub(crate) fn run_section<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
+    section: &PlannedSection,
+    observer: &dyn Observer,
+) -> Result<AboutRun, Refusal> {
+    let table = job.cut()?.rounded_part(section.pieces.clone());
+    let table = table.map_err(|error| job.problem.refusal(error))?;
+    let path = with_plan::<R, D>(job, table, &job.plan.schedule_within(&section.periods))?;
+    let whole = Stretch { sections: 0..path.sections().len(), first_period: section.periods.start };
+    let mut steps = Steps::new(job, &path, &whole);
+    observer.look(0, &mut steps);
+    observer.take(0);
+    Ok(about(job, &path, &steps.outcome))
+}
+
+/// The resolution of the positions of a run in `R`, a fixed-point format, in mm.
+pub(crate) fn resolution_mm<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<f64, Refusal> {
+    Ok(R::resolution().to_f64().ldexp(job.cut()?.coordinate_exponent::<R>()))
 }
 
 /// Runs the stretches of a path without overrides.
@@ -121,19 +165,21 @@ pub(crate) fn record<R: Backend, const D: usize>(
 
 /// Path and plan in `R`, as they lie in a controller's flash.
 pub(crate) fn compiled<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<CompiledPath<R, D>, Refusal> {
-    let Job { problem, plan, options } = job;
-    let limits = problem.limits_per_period()?;
-    let landing_step_mm = limits.acceleration;
-    let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
-    // With overrides, the plan is made for the highest of them, and a coarse format may round the feed up.
-    let fastest = limits.feedrate.max(plan.greatest_feed());
-    let piece_limits = PieceLimits { length_mm: options.piece_length_mm, step_mm: fastest + landing_step_mm };
-    let stops: Vec<_> = plan.rests().collect();
-    let table = compile_with_stops::<DoubleDouble, R, D>(&curves, &piece_limits, &stops)
-        .map_err(|error| problem.refusal(error))?;
+    let table = job.cut()?.rounded().map_err(|error| job.problem.refusal(error))?;
+    with_plan(job, table, &job.plan.schedule())
+}
+
+/// Pieces and their plan in `R`.
+fn with_plan<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
+    table: PiecesBuf<R, D>,
+    plan: &Schedule<'_, DoubleDouble>,
+) -> Result<CompiledPath<R, D>, Refusal> {
+    let landing_step_mm = job.problem.limits_per_period()?.acceleration;
     in_format::<R>("acceleration", landing_step_mm.ldexp(table.as_pieces().chord_exponent))?;
-    let tolerance = ChordTolerance::for_fluctuation(options.fluctuation, problem.machine.max_iterations);
-    CompiledPath::new(table, &plan.schedule(), tolerance, landing_step_mm).map_err(|error| {
+    let most = job.problem.machine.max_iterations;
+    let tolerance = ChordTolerance::for_fluctuation(job.options.fluctuation, most);
+    CompiledPath::new(table, plan, tolerance, landing_step_mm).map_err(|error| {
         let (what, value) = match error {
             CompiledPathError::FeedTooHigh { feed, .. } => ("stage feed", feed),
             CompiledPathError::LandingStepTooLong { step } => ("acceleration", step),

@@ -1,7 +1,8 @@
 //! The fewest bits that are enough: in one format for all signals, and in a register for each signal.
 //!
-//! *Uniform.* Every width in the range is tried, with as few integer bits as the proven ranges of the compiled path
-//! allow. The narrowest width that meets every requirement is the result; the runs in all widths tried show that it is.
+//! *Uniform.* The whole path is run in every width of the range, with as few integer bits as the proven ranges of the compiled path
+//! allow. The result is the narrowest format that meets every requirement, whatever its integer bits, as [`fewest_bits`](crate::fewest_bits())
+//! finds it; of its width, it is the one whose run is listed.
 //!
 //! *Mixed.* Each named signal of the step has a register. Its integer bits follow from its proven bound. Its fraction
 //! bits start from those of the uniform result and are taken away as long as the requirements are met, first from whole
@@ -26,8 +27,9 @@ use crate::run::job::Job;
 use crate::run::observer::Observer;
 use crate::run::on_pieces;
 use crate::run::options::Options;
+use crate::size::fewest_bits::narrowest;
 use crate::size::signals::group_and_meaning;
-use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
+use crate::size::trial::{Trial, WIDTHS, search_options};
 use feed_plan::in_parallel;
 
 /// The result of a search.
@@ -128,16 +130,16 @@ pub fn size<const D: usize>(
 where
     Space: Dimension<D>,
 {
-    let options = search_options(problem, options);
-    let trial = Trial::new(Job { problem, plan, options: &options }, datapath)?;
+    let options = search_options(options);
+    let job = Job::new(problem, plan, &options);
+    let trial = Trial::new(&job, datapath)?;
     let widths: Vec<_> = WIDTHS.collect();
-    let tried = in_parallel(&widths, |width| trial.narrowest_integer_part(*width, FEWEST_INTEGER_BITS));
-    let uniform = tried.iter().find(|run| run.verdict.is_good()).cloned();
-    let mut runs = tried.len();
-    let mixed = match &uniform {
-        Some(uniform) => Search::new(&trial)?.mixed(uniform, &mut runs),
-        None => None,
-    };
+    let mut tried = in_parallel(&widths, |width| trial.narrowest_integer_part(*width));
+    let uniform = narrowest(&trial, &tried).ok();
+    if let Some(uniform) = &uniform {
+        tried.iter_mut().filter(|run| run.bits == uniform.bits).for_each(|run| *run = uniform.clone());
+    }
+    let mixed = uniform.as_ref().map(|uniform| mixed(&trial, uniform)).transpose()?.flatten();
     let limit = problem.machine.fluctuation_limit;
     Ok(Sizing {
         not_a_question_of_format: not_of_format(problem, &tried, &options),
@@ -146,8 +148,24 @@ where
         mixed,
         front: front(&tried),
         tried,
-        runs,
+        runs: trial.runs.into_inner(),
     })
+}
+
+/// A register for each signal, from those of the uniform result.
+fn mixed<const D: usize>(trial: &Trial<'_, D>, uniform: &JudgedRun) -> Result<Option<Mixed>, Refusal>
+where
+    Space: Dimension<D>,
+{
+    let Some(FormatName::Fixed { fraction_bits, .. }) = FormatName::named(&uniform.format) else {
+        return Ok(None);
+    };
+    let Job { problem, plan, options, .. } = trial.job;
+    // The solver stops where that of the uniform format does, at its resolution: that of f64, in which registers are filled, is finer.
+    let resolution = f64::powi(0.5, fraction_bits.cast_signed());
+    let options = Options { fluctuation: options.fluctuation.or(Some(resolution)), ..(*options).clone() };
+    let job = Job::new(problem, plan, &options);
+    Ok(Search::new(trial, &job)?.mixed(uniform, fraction_bits.cast_signed()))
 }
 
 /// Records the run in the narrowest format, and prices it and the registers on each of `targets`.
@@ -166,7 +184,7 @@ where
 {
     let Some(uniform) = &mut sizing.uniform else { return Ok(()) };
     let Some(format) = format_named::<D>(&uniform.format) else { return Ok(()) };
-    let recorded = format.record(problem, plan, &search_options(problem, options), usize::MAX)?;
+    let recorded = format.record(problem, plan, &search_options(options), usize::MAX)?;
     uniform.operations = Some(operations(&recorded));
     let widest = sizing.mixed.as_ref().and_then(Mixed::widest);
     for target in targets {
@@ -201,6 +219,7 @@ fn front(tried: &[JudgedRun]) -> Vec<FrontPoint> {
 /// The search for register widths.
 struct Search<'a, const D: usize> {
     trial: &'a Trial<'a, D>,
+    job: &'a Job<'a, D>,
     bounds: Vec<SignalBound>,
 }
 
@@ -208,9 +227,9 @@ impl<'a, const D: usize> Search<'a, D>
 where
     Space: Dimension<D>,
 {
-    fn new(trial: &'a Trial<'a, D>) -> Result<Self, Refusal> {
-        let path = on_pieces::compiled::<Quantized, D>(&trial.job)?;
-        Ok(Self { trial, bounds: path.table().bounds().to_vec() })
+    fn new(trial: &'a Trial<'a, D>, job: &'a Job<'a, D>) -> Result<Self, Refusal> {
+        let path = on_pieces::compiled::<Quantized, D>(job)?;
+        Ok(Self { trial, job, bounds: path.table().bounds().to_vec() })
     }
 
     fn run(&self, fraction_bits: &[i32]) -> Option<JudgedRun> {
@@ -219,27 +238,23 @@ where
         // The registers are those of this thread.
         let run = |observer: &dyn Observer| {
             Quantized::run(self.trial.datapath.rounding, &registers, || {
-                on_pieces::run::<Quantized, D>(&self.trial.job, Threads::This, observer)
+                on_pieces::run::<Quantized, D>(self.job, Threads::This, observer)
             })
         };
         self.trial.judged(FormatName::Float { bits: 64 }, run).ok()
     }
 
-    fn is_good(&self, fraction_bits: &[i32], runs: &mut usize) -> bool {
-        *runs += 1;
+    fn is_good(&self, fraction_bits: &[i32]) -> bool {
         self.run(fraction_bits).is_some_and(|row| row.verdict.is_good())
     }
 
     /// Takes bits away while the requirements are met: first from groups, then from single signals, until no bit can
     /// go.
-    fn mixed(&self, uniform: &JudgedRun, runs: &mut usize) -> Option<Mixed> {
-        let FormatName::Fixed { fraction_bits, .. } = FormatName::named(&uniform.format)? else {
-            return None;
-        };
-        let mut bits = vec![fraction_bits.cast_signed(); self.bounds.len()];
+    fn mixed(&self, uniform: &JudgedRun, fraction_bits: i32) -> Option<Mixed> {
+        let mut bits = vec![fraction_bits; self.bounds.len()];
         // Unrounded operators between registers differ from a uniform format's rounding; an additional bit makes up for
         // this.
-        while !self.is_good(&bits, runs) {
+        while !self.is_good(&bits) {
             bits.iter_mut().for_each(|b| *b += 1);
             if bits[0] > 52 {
                 return None;
@@ -248,27 +263,26 @@ where
         for name in ["coordinates", "step", "parameter", "weight"] {
             let members: Vec<usize> =
                 (0..bits.len()).filter(|&i| group_and_meaning(self.bounds[i].signal).0 == name).collect();
-            self.lower(&mut bits, &members, runs);
+            self.lower(&mut bits, &members);
         }
         for signal in 0..bits.len() {
-            self.lower(&mut bits, &[signal], runs);
+            self.lower(&mut bits, &[signal]);
         }
-        self.confirmed(&bits, uniform, runs)
+        self.confirmed(&bits, uniform)
     }
 
     /// Takes one bit at a time from all members together, as long as the requirements are met.
-    fn lower(&self, bits: &mut [i32], members: &[usize], runs: &mut usize) {
+    fn lower(&self, bits: &mut [i32], members: &[usize]) {
         while members.iter().all(|&i| bits[i] > 1) && !members.is_empty() {
             members.iter().for_each(|&i| bits[i] -= 1);
-            if !self.is_good(bits, runs) {
+            if !self.is_good(bits) {
                 members.iter().for_each(|&i| bits[i] += 1);
                 break;
             }
         }
     }
 
-    fn confirmed(&self, bits: &[i32], uniform: &JudgedRun, runs: &mut usize) -> Option<Mixed> {
-        *runs += 1;
+    fn confirmed(&self, bits: &[i32], uniform: &JudgedRun) -> Option<Mixed> {
         let row = self.run(bits).filter(|row| row.verdict.is_good())?;
         let fluctuation = row.fluctuation?.cruise_max_abs;
         let signals: Vec<Register> = self

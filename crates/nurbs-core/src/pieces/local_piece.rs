@@ -26,6 +26,29 @@ pub(crate) struct LocalPiece<H, const D: usize> {
     pub(crate) weight_range: (f64, f64),
     pub(crate) rational: bool,
     pub(crate) speed: Speed,
+    pub(crate) extents: Extents,
+}
+
+/// How large the numbers of a piece are, in mm and in parts of its weights, whatever the format.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Extents {
+    /// The largest entry in the synthetic division that shifts N to t, for t in [0, 1], in mm.
+    pub(crate) shifted_mm: f64,
+    /// The largest coordinate of |N| and of |P|, in mm.
+    pub(crate) offset_mm: f64,
+    /// The largest entry in the synthetic division that shifts W without its constant, or W itself where that is larger.
+    pub(crate) weight: f64,
+    /// Bounds of `ω_k / W` for k = 1..=p.
+    pub(crate) weights: Vec<f64>,
+    /// Bounds of the length of the chord's coefficients `(c_k - P ω_k)/W`, for k = 1..=p, in mm.
+    pub(crate) chords_mm: Vec<f64>,
+}
+
+impl Extents {
+    /// The largest number in coordinate units, in mm.
+    pub(crate) fn coordinate_mm(&self) -> f64 {
+        self.chords_mm.iter().copied().fold(self.shifted_mm.max(self.offset_mm), f64::max)
+    }
 }
 
 impl<H: Backend, const D: usize> LocalPiece<H, D> {
@@ -54,7 +77,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
             }
         }
         numerator.remove(0); // the constant term: 0, for `start` was subtracted
-        Some(Self {
+        let mut piece = Self {
             place,
             part_of_span,
             halvings,
@@ -67,7 +90,16 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
             weight: power_basis(&weight),
             rational: bezier.rational,
             speed,
-        })
+            extents: Extents::default(),
+        };
+        piece.extents = Extents {
+            shifted_mm: piece.largest_shifted_mm(),
+            offset_mm: piece.offset_bound_mm(),
+            weight: piece.largest_weight(),
+            weights: piece.weight_bounds(),
+            chords_mm: piece.chord_bounds_mm(),
+        };
+        Some(piece)
     }
 
     /// Whether speed, weights and coefficients are numbers.
@@ -141,33 +173,28 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         self.weight.iter().skip(1).map(|w| w.to_f64()).collect()
     }
 
-    /// The largest entry in the synthetic division that shifts N to t, for t in [0, 1], in mm.
-    pub(crate) fn largest_shifted_mm(&self) -> f64 {
+    fn largest_shifted_mm(&self) -> f64 {
         (0..D).map(|d| largest_shifted(&self.column(d))).fold(0.0, f64::max)
     }
 
-    /// The largest entry in the synthetic division that shifts W without its constant, or W itself where that is larger.
-    pub(crate) fn largest_weight(&self) -> f64 {
+    fn largest_weight(&self) -> f64 {
         largest_shifted(&self.weight_column()).max(self.weight_range.1)
     }
 
-    /// Bounds of `ω_k / W` for k = 1..=p.
-    pub(crate) fn weight_bounds(&self) -> Vec<f64> {
+    fn weight_bounds(&self) -> Vec<f64> {
         let column = self.weight_column();
         (1..=column.len()).map(|k| self.bound_over_weight(&[derivative(&column, k)], 1)).collect()
     }
 
-    /// The largest coordinate of |N| and of |P|, in mm.
-    pub(crate) fn offset_bound_mm(&self) -> f64 {
+    fn offset_bound_mm(&self) -> f64 {
         let with_constant = |d: usize| core::iter::once(0.0).chain(self.column(d)).collect::<Vec<_>>();
         let both =
             |column: Vec<f64>| bound_on_unit_interval(&column).max(self.bound_over_weight(&[column], 1));
         (0..D).map(|d| both(with_constant(d))).fold(0.0, f64::max)
     }
 
-    /// Bounds of the length of the chord's coefficients `(c_k - P ω_k)/W`, for k = 1..=p, in mm. Over the common
-    /// denominator W², the numerator is the polynomial `c_k W - N ω_k`.
-    pub(crate) fn chord_bounds_mm(&self) -> Vec<f64> {
+    /// Over the common denominator W², the numerator is the polynomial `c_k W - N ω_k`.
+    fn chord_bounds_mm(&self) -> Vec<f64> {
         let weight: Vec<f64> = self.weight.iter().map(|w| w.to_f64()).collect();
         let turns = self.weight_column();
         let numerator = |d: usize, k: usize| {
@@ -201,12 +228,6 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
             (0..power).fold(length, |quotient, _| quotient / lightest)
         };
         (0..PARTS).map(on).fold(0.0, f64::max)
-    }
-
-    /// The largest number in coordinate units, in mm.
-    pub(crate) fn coordinate_bound_mm(&self) -> f64 {
-        let chord = self.chord_bounds_mm().into_iter();
-        chord.fold(self.largest_shifted_mm().max(self.offset_bound_mm()), f64::max)
     }
 }
 

@@ -39,7 +39,7 @@ impl Bounds {
 /// The bound of every named signal of a step whose chord is at most `step_mm`, where numbers are rounded to
 /// multiples of `resolution`, and at most `greatest`.
 pub(crate) fn signal_bounds<H: Backend, const D: usize>(
-    local: &[(LocalPiece<H, D>, Scales)],
+    local: &[(&LocalPiece<H, D>, Scales)],
     rational: bool,
     step_mm: f64,
     (resolution, greatest): (f64, f64),
@@ -50,13 +50,13 @@ pub(crate) fn signal_bounds<H: Backend, const D: usize>(
         // The p rounded sweeps of the shift add up to 2^p units; the few roundings elsewhere add as much again.
         let rounding = resolution * power_of_two(i32::try_from(piece.numerator.len()).unwrap_or(0) + 1);
         let coordinate = power_of_two(-scales.coordinate);
-        let shifted = piece.largest_shifted_mm() * coordinate + rounding;
+        let shifted = piece.extents.shifted_mm * coordinate + rounding;
         bounds.raise("coefficient", shifted);
         bounds.raise("shifted_coefficient", shifted);
-        bounds.raise("offset", piece.offset_bound_mm() * coordinate + rounding);
+        bounds.raise("offset", piece.extents.offset_mm * coordinate + rounding);
         if rational {
             // Weights are shifted as coordinates are, in units of their own.
-            let weight = piece.largest_weight() + rounding;
+            let weight = piece.extents.weight + rounding;
             bounds.raise("shifted_coefficient", weight);
             bounds.raise("weight", weight);
             bounds
@@ -95,10 +95,9 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
 
     // Horner's scheme for q and x q', and for (W - 1)/x and its derivative: every partial sum counts.
     let (mut chord, mut turn, mut weight, mut weight_turn) = (0.0_f64, 0.0, 0.0, 0.0);
-    let chords = piece.chord_bounds_mm();
-    let weights = piece.weight_bounds();
+    let (chords, weights) = (&piece.extents.chords_mm, &piece.extents.weights);
     let mut power = i32::try_from(chords.len()).unwrap_or(0) * (scales.range - scales.step);
-    for (c, w) in chords.iter().zip(&weights).rev() {
+    for (c, w) in chords.iter().zip(weights).rev() {
         let to_chord_units = power_of_two(scales.chord - scales.range + power);
         let gain = power_of_two((scales.coordinate + scales.chord - scales.range + power).max(0));
         let c = c * to_chord_units + rounding * gain;
