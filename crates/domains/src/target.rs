@@ -81,9 +81,13 @@ pub const BUSY: Key =
 pub const DSP_BLOCKS: Key = Key::whole("operation.dsp_blocks", [0, 1024], "", "DSP blocks in a unit").or(0.0);
 
 /// LUTs.
-pub const LUTS: Key =
-    Key::whole("operation.luts", [0, 1_000_000], "", "LUTs in a unit, in the format of this row that takes most")
-        .or(0.0);
+pub const LUTS: Key = Key::whole(
+    "operation.luts",
+    [0, 1_000_000],
+    "",
+    "LUTs in a unit, in the format of this row that takes most",
+)
+.or(0.0);
 
 /// The keys of a target file. Each table `[[clock]]`, `[[unit]]` and `[[operation]]` also names its `source` or `name`.
 pub const KEYS: [Key; 17] = [
