@@ -49,6 +49,11 @@ struct Window {
     end: usize,
 }
 
+/// The order of a difference as a power of two.
+fn exponent(order: usize) -> i32 {
+    if order == 2 { 2 } else { 3 }
+}
+
 impl Window {
     /// The setpoint so many differences before the last one, of a section whose last one is this.
     fn setpoint(&self, back: usize, last: usize) -> usize {
@@ -91,14 +96,14 @@ impl<R: Real, const D: usize> AxisWindows<'_, R, D> {
             return;
         }
         for power in 0..WINDOWS {
-            let (width, bound) = (1_usize << power, single.ldexp(power * order as i32));
+            let (width, bound) = (1_usize << power, single.ldexp(power * exponent(order)));
             let mut run: Option<(Window, usize, R)> = None;
             for end in self.ends(order, width) {
                 let window = Window { order, width, end };
                 let has_any = count_to(Some(end)) > count_to(end.checked_sub(order * (width - 1) + 1));
                 let hidden = has_any.then(|| self.hidden(window)).flatten();
-                let excess =
-                    hidden.map(|hidden| (self.difference(axis, window) - hidden.ldexp(order as i32)) / bound);
+                let excess = hidden
+                    .map(|hidden| (self.difference(axis, window) - hidden.ldexp(exponent(order))) / bound);
                 let excess = excess.filter(|excess| *excess > R::one() + R::one().ldexp(SEEN));
                 run = match (run, excess) {
                     (Some((first, _, most)), Some(excess)) => Some((first, end, most.max(excess))),

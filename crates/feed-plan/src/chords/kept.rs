@@ -196,11 +196,13 @@ impl<R: Real> Kept<R> {
         };
         let [own, others] = [&self, &other].map(periods);
         let both = own.iter().zip(&others).zip(self.sections.iter().zip(&other.sections));
-        let is_better =
-            |((own, others), (section, other)): ((&u32, &u32), (&KeptSection<R>, &KeptSection<R>))| {
-                if section.is_kept == other.is_kept { others < own } else { other.is_kept }
-            };
-        let is_other: Vec<_> = both.map(is_better).collect();
+        let is_other: Vec<_> = both
+            .map(
+                |((own, others), (section, other))| {
+                    if section.is_kept == other.is_kept { others < own } else { other.is_kept }
+                },
+            )
+            .collect();
         if own.len() != others.len() || !is_other.iter().any(|is_other| *is_other) {
             return self;
         }
