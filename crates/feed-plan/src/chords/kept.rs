@@ -105,7 +105,7 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
     }
     let section = |one: &Followed<R>| KeptSection {
         lead: one.lead,
-        is_kept: one.too_fast.is_empty() && one.excess.is_zero(),
+        is_kept: one.too_fast.is_empty() && !one.has_excess(),
     };
     let sections = followed.iter().map(section).collect();
     Kept { arcs: found, chords, sections, is_changed }
@@ -117,9 +117,14 @@ impl<R: Real> Followed<R> {
         (trial < LOWERINGS && !self.too_fast.is_empty()) || self.is_strained(by_strain)
     }
 
+    /// Whether a section takes so much too much that it is worth another plan; less may be rounding in a coarse format.
+    fn has_excess(&self) -> bool {
+        self.excess > R::one().ldexp(WORTH)
+    }
+
     /// Whether a section is planned again for what its arcs take.
     fn is_strained(&self, by_strain: bool) -> bool {
-        by_strain && self.excess > R::one().ldexp(WORTH)
+        by_strain && self.has_excess()
     }
 }
 
