@@ -168,16 +168,17 @@ where
             format_compare::not_of_format(problem, &comparison.formats, options);
         progress.finish();
     }
-    if !targets.is_empty() {
-        let progress = Progress::of("runs recorded for the targets", comparison.formats.len());
-        format_compare::price(compared, problem, targets, options, || progress.step())?;
-        progress.finish();
-    }
-    // Where each format plans for itself, no plan is common to the rows and the search.
+    // Before time on a target counts, which the search does not know. Where each format plans for itself, no plan is common to the rows and
+    // the search.
     if let Some(plan) = compared.plan.as_ref().filter(|_| wants_fewest_bits) {
         let progress = Progress::spinning("looking for the fewest bits");
         let found = format_compare::fewest_bits(problem, plan, &compared.comparison.formats, options)?;
         compared.comparison.fewest_bits = Some(found);
+        progress.finish();
+    }
+    if !targets.is_empty() {
+        let progress = Progress::of("runs recorded for the targets", compared.comparison.formats.len());
+        format_compare::price(compared, problem, targets, options, || progress.step())?;
         progress.finish();
     }
     Ok(())

@@ -16,6 +16,8 @@ use crate::{Junction, KinematicLimits};
 
 /// Windows are up to 2⁸ periods wide.
 const WINDOWS: i32 = 9;
+/// Setpoints that the widest third difference spans.
+pub(super) const SPAN: usize = 3 * (1 << (WINDOWS - 1)) + 1;
 /// An excess of less than 2⁻¹⁷ is ignored, and feeds are lowered to 2⁻⁸ below what is allowed.
 const SEEN: i32 = -17;
 const BELOW: i32 = -8;

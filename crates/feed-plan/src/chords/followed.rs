@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::chords::axis_windows::{AxisWindows, Setpoint};
+use crate::chords::axis_windows::{AxisWindows, SPAN, Setpoint};
 use crate::chords::lead::Lead;
 use crate::chords::shortfall::Path;
 use crate::chords::steps::Step;
@@ -24,6 +24,8 @@ const BELOW: i32 = -10;
 const LONG: i32 = -8;
 /// Points, and what is taken from them, are off by no more than 2³ roundings of the path's largest length.
 const ROUNDING: i32 = 3;
+/// Setpoints that are kept at once: a long section is looked at in parts, which overlap by the widest window.
+const MOST_SEEN: usize = 1 << 14;
 /// Places of a chord at which its distance from the path is looked at.
 const PLACES: i32 = 8;
 
@@ -54,8 +56,14 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         let mut too_fast = Vec::new();
         let rounding = if R::IS_FLOATING { R::resolution() * self.limit.length() } else { R::resolution() };
         let mut judged = Differences::after(rests[0], limits, rounding.ldexp(ROUNDING));
+        let mut begins_at_rest = rests[0];
+        let rounding_of_points = self.rounding_of(&self.leaving(begin));
+        let windows = |setpoints: &[Setpoint<R, D>], rests| {
+            AxisWindows { setpoints, rests, rounding: rounding_of_points, limits }.too_fast()
+        };
         let mut seen = limits.limit_accelerations_of_axes(D).then(|| Vec::from([self.beginning_at(begin)]));
-        if self.limit.bends_over(begin, stop) || (seen.is_some() && self.passes_corner(begin, stop)) {
+        let within = stop - self.limit.rounding();
+        if self.limit.bends_over(begin, stop) || (seen.is_some() && self.passes_corner(begin, within)) {
             let mut at = begin;
             self.each_step(both, limits.interpolation_period, |step| {
                 lead.see(&step);
@@ -66,6 +74,11 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
                     too_fast.extend(self.long_chord(&step, length - at, limits));
                     if let Some(setpoints) = &mut seen {
                         self.see(&step, setpoints);
+                        if setpoints.len() >= MOST_SEEN {
+                            too_fast.extend(windows(setpoints, [begins_at_rest, false]));
+                            setpoints.drain(..setpoints.len() - SPAN);
+                            begins_at_rest = false;
+                        }
                     }
                 }
                 at = length;
@@ -76,8 +89,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
             judged.add(R::zero(), stop, limits);
         }
         if let Some(setpoints) = seen {
-            let rounding = self.rounding_of(&self.leaving(begin));
-            too_fast.extend(AxisWindows { setpoints: &setpoints, rests, rounding, limits }.too_fast());
+            too_fast.extend(windows(&setpoints, [begins_at_rest, rests[1]]));
         }
         Some(Followed { lead, excess: judged.excess(), too_fast, strained: judged.strained })
     }

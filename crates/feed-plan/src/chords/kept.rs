@@ -76,13 +76,14 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
         let ways: Vec<_> = followed.iter().flat_map(|one| &one.too_fast).chain(strained).copied().collect();
         let again = too_fast.contains(&true).then(|| {
             let lowered = lowered.get_or_insert_with(|| limit.clone());
-            ways.iter().for_each(|way| lowered.lower_over(way));
+            lowered.lower_over(&ways);
             plan_again(lowered, &found, &ways)
         });
         let again = again.flatten().filter(|again| sections(again.stages()).count() == too_fast.len());
         if slower.is_none() && again.is_none() {
             break;
         }
+        let again_is_found = again.is_some();
         let next = slower.unwrap_or_else(|| found.clone());
         let next = again.map_or_else(|| next.clone(), |again| by_sections(&next, &again, &too_fast));
         let changed: Vec<_> = sections(found.stages())
@@ -92,9 +93,12 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
         if !changed.contains(&true) {
             break;
         }
-        let mosts = most_of(&next).into_iter().zip(&too_fast);
-        let planned_again = longest.iter_mut().zip(mosts).filter(|(_, (_, again))| **again);
-        planned_again.for_each(|(longest, (most, _))| *longest = most);
+        let is_again = again_is_found.then_some(&too_fast);
+        let mosts = most_of(&next).into_iter().zip(is_again.into_iter().flatten());
+        let planned_again = longest.iter_mut().zip(mosts).zip(&changed);
+        planned_again
+            .filter(|((_, (_, again)), changed)| **again && **changed)
+            .for_each(|((longest, (most, _)), _)| *longest = most);
         // The other sections are followed already.
         let part = only(&next, &changed);
         let (chords_of_part, followed_again) = limit.followed(curves, &part, limits);
@@ -192,9 +196,18 @@ fn periods_of<R: Real>(section: &Section<'_, R>, period: R) -> u32 {
 }
 
 impl<R: Real> Kept<R> {
-    /// Of each section the one of both plans whose run is kept, or if that says nothing, the one that takes fewer periods. Both rest at
-    /// the same places.
+    /// Of each section the one of both plans that takes fewer periods, if its run is kept like the other's. Both rest at the same places.
+    pub(crate) fn faster_by_sections(self, other: Self) -> Self {
+        self.by_sections(other, |own, other, is_faster| is_faster && (other || !own))
+    }
+
+    /// Of each section the one of both plans whose run is kept, or if that says nothing, the one that takes fewer periods.
     pub(crate) fn better_by_sections(self, other: Self) -> Self {
+        self.by_sections(other, |own, other, is_faster| if own == other { is_faster } else { other })
+    }
+
+    /// Of each section the other plan's where that is said by whether both runs are kept and the other takes fewer periods.
+    fn by_sections(self, other: Self, is_better: impl Fn(bool, bool, bool) -> bool) -> Self {
         let period = self.arcs.interpolation_period;
         let periods = |plan: &Self| -> Vec<_> {
             sections(plan.arcs.stages()).map(|section| periods_of(&section, period)).collect()
@@ -202,11 +215,7 @@ impl<R: Real> Kept<R> {
         let [own, others] = [&self, &other].map(periods);
         let both = own.iter().zip(&others).zip(self.sections.iter().zip(&other.sections));
         let is_other: Vec<_> = both
-            .map(
-                |((own, others), (section, other))| {
-                    if section.is_kept == other.is_kept { others < own } else { other.is_kept }
-                },
-            )
+            .map(|((own, others), (section, other))| is_better(section.is_kept, other.is_kept, others < own))
             .collect();
         if own.len() != others.len() || !is_other.iter().any(|is_other| *is_other) {
             return self;

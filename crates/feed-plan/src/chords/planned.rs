@@ -83,7 +83,7 @@ impl<R: Real> Planned<R> {
     }
 }
 
-/// A plan; if its run left it in question, with S-curves in each section in which their run is kept better, or as well and faster.
+/// A plan; if its run left it in question, with S-curves in each section in which they are faster and kept by their run too.
 fn or_s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
     found: Kept<R>,
     limit: &FeedLimit<R>,
@@ -97,7 +97,7 @@ fn or_s_curves<R: Real, C: Differentiate<R, D>, const D: usize>(
     }
     match plan(limit) {
         Ok(arcs) => {
-            found.better_by_sections(kept(limit, arcs, curves, limits, false, |limit, _, _| plan(limit).ok()))
+            found.faster_by_sections(kept(limit, arcs, curves, limits, false, |limit, _, _| plan(limit).ok()))
         }
         Err(_) => found,
     }
@@ -167,7 +167,18 @@ impl Planned<f64> {
 
 /// Whether one of these ways lies between the begin and the end of a section.
 fn is_on(ways: &[TooFast<f64>]) -> impl Fn([f64; 2]) -> bool + Sync {
-    |[begin, end]| ways.iter().any(|way| begin < way.to && way.from < end)
+    let mut ends: Vec<_> = ways.iter().map(|way| (way.from, way.to)).collect();
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut farthest = f64::MIN;
+    // How far the ways reach up to each.
+    for (_, to) in &mut ends {
+        farthest = farthest.max(*to);
+        *to = farthest;
+    }
+    move |[begin, end]| {
+        let count = ends.partition_point(|(from, _)| *from < end);
+        count.checked_sub(1).and_then(|last| ends.get(last)).is_some_and(|(_, to)| begin < *to)
+    }
 }
 
 #[cfg(test)]

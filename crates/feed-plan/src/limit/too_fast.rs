@@ -1,5 +1,7 @@
 //! A limit that is lowered again where a run by chords would leave the path too far, or where an axis would take too much.
 
+use alloc::vec::Vec;
+
 use real::Real;
 
 use crate::FeedLimit;
@@ -25,9 +27,26 @@ pub(crate) enum Slower<R> {
 }
 
 impl<R: Real> FeedLimit<R> {
-    /// Lowers what a way that is passed too fast allows, up to the points beside it. A point beside a straight that is longer than what
-    /// shows that keeps its limit of the feed, or the limit of all the straight would fall.
-    pub(crate) fn lower_over(&mut self, &TooFast { from, to, way, slower }: &TooFast<R>) {
+    /// Lowers what ways that are passed too fast allow, up to the points beside them. Where they overlap, the least share counts.
+    pub(crate) fn lower_over(&mut self, ways: &[TooFast<R>]) {
+        let all = Allowance { acceleration: R::one(), jerk: R::one() };
+        let mut changes: Vec<(Allowance<R>, Allowance<R>)> =
+            self.samples.iter().map(|_| (Allowance::unlimited(), all)).collect();
+        ways.iter().for_each(|way| self.lower_over_one(way, &mut changes));
+        for (sample, (most, shares)) in
+            self.samples.iter_mut().zip(changes).filter(|(_, (_, shares))| *shares != all)
+        {
+            sample.allowance = sample.allowance.min(most).times(shares);
+        }
+    }
+
+    /// Lowers the limit of the feed over a way, or the shares by which feeds change. A point beside a straight that is longer than what
+    /// shows that it is passed too fast keeps its limit, or the limit of all the straight would fall.
+    fn lower_over_one(
+        &mut self,
+        &TooFast { from, to, way, slower }: &TooFast<R>,
+        changes: &mut [(Allowance<R>, Allowance<R>)],
+    ) {
         let first = self.samples.partition_point(|sample| sample.point.distance <= from).max(1);
         for end in first..self.samples.len() {
             if self.samples[end - 1].point.distance >= to {
@@ -45,8 +64,7 @@ impl<R: Real> FeedLimit<R> {
                     }
                 }
                 Slower::Changes { most, shares } => {
-                    let allowance = &mut self.samples[end].allowance;
-                    *allowance = allowance.min(most).times(shares);
+                    changes[end] = (most, changes[end].1.min(shares));
                 }
             }
         }

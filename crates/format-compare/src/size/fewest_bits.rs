@@ -76,7 +76,7 @@ where
             let margin = problem.machine.fluctuation_limit / fluctuation;
             FewestBits::Found { format: run.format, bits: run.bits, fluctuation, margin }
         }
-        Err(broken) => match broken_in_f64(&trial, runs, &broken) {
+        Err(_) => match broken_in_f64(&trial, runs) {
             broken if broken.is_empty() => FewestBits::None { up_to_bits },
             broken => FewestBits::BrokenByPlan { up_to_bits, broken },
         },
@@ -139,12 +139,8 @@ where
     })
 }
 
-/// Which of these requirements f64 breaks too, and not by its rounding.
-fn broken_in_f64<const D: usize>(
-    trial: &Trial<'_, D>,
-    runs: &[JudgedRun],
-    broken: &[&'static str],
-) -> Vec<String>
+/// Which requirements f64 breaks too, and not by its rounding.
+fn broken_in_f64<const D: usize>(trial: &Trial<'_, D>, runs: &[JudgedRun]) -> Vec<String>
 where
     Space: Dimension<D>,
 {
@@ -156,8 +152,7 @@ where
     };
     let Some(run) = runs.iter().find(is_f64).cloned().or_else(again) else { return Vec::new() };
     let full_step_mm = trial.job.problem.full_step_mm();
-    let of_plan = run.requirements.iter().filter(|one| {
-        !one.holds() && broken.contains(&one.what) && is_beyond_rounding(one, &run, full_step_mm)
-    });
+    let of_plan =
+        run.requirements.iter().filter(|one| !one.holds() && is_beyond_rounding(one, &run, full_step_mm));
     of_plan.map(|one| one.broken.clone()).collect()
 }

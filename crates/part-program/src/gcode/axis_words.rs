@@ -62,8 +62,13 @@ impl Reader<'_, '_, '_> {
             _ => None,
         };
         block.change(|word| {
-            let (Some(count), Key::Letter(letter)) = (word.count, word.key) else { return true };
-            let Some((axis, is_incremental)) = moves_on(letter) else { return true };
+            let Some(count) = word.count else { return true };
+            let ordered = match word.key {
+                Key::Letter(letter) => moves_on(letter),
+                Key::Middle(axis) => Some((axis, modal.incremental)),
+                _ => None,
+            };
+            let Some((axis, is_incremental)) = ordered else { return true };
             let here = modal.programmed(axis);
             match count {
                 Count::Incremental if modal.lost[axis] => return false,
@@ -103,7 +108,9 @@ impl Reader<'_, '_, '_> {
         let shows_printer = match act {
             Some(MAct::Printer) => true,
             Some(MAct::PrinterWaits) => [109.0, 190.0].contains(&value) || self.has_own_words(block),
-            Some(MAct::PrinterLimits | MAct::PrinterFeed) => is_unnamed,
+            Some(MAct::PrinterLimits) => is_unnamed,
+            // A printer's M220 has no axes.
+            Some(MAct::PrinterFeed) => is_unnamed && !block.has_axis(),
             Some(MAct::PrinterSetting) => self.has_own_words(block),
             _ => false,
         };

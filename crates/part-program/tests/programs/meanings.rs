@@ -88,6 +88,9 @@ fn m220_scales_the_feed_of_a_printer() {
         assert!(part.auxiliary.iter().all(|word| word.letter != 'S'), "no speed of a spindle: {text}");
         assert_eq!(part.warnings, [], "{text}");
     }
+    // Beside an axis it is some other control's word: the move stays.
+    let part = read("G21 G90\nG0 X0 Y0 Z0\nG1 X20 F60 M220\n", ReadOptions::default());
+    near(inspect(&part).length_mm, 20.0, "M220 beside an axis");
     let errors =
         read_part_with("p", &format!("{head}M220 S0\nG1 X1 F60\n"), ReadOptions::default()).unwrap_err();
     assert!(errors.to_string().contains("`S0`: a feed of 0 %"), "{errors}");

@@ -80,6 +80,8 @@ fn cip_passes_its_point() {
     near(inspect(&long).length_mm, 12.5 * (TAU - 2.0 * 10.0_f64.atan2(7.5)), around);
     let steps = part("G90 G0 X30 Y40\nG91 CIP X20 Y0 I1=10 J1=-20\n");
     near(inspect(&steps).length_mm, inspect(&long).length_mm, "G91");
+    let each = part("G90 G0 X30 Y40\nCIP X50 Y40 I1=IC(10) J1=IC(-20)\n");
+    near(inspect(&each).length_mm, inspect(&long).length_mm, "IC() in G90");
     // Half of a circle of radius 5 that stands on the diagonal of X and Y.
     let root = 50.0_f64.sqrt();
     let space =
