@@ -48,7 +48,7 @@ impl<R: Real> FeedLimit<R> {
         changes: &mut [(Allowance<R>, Allowance<R>)],
     ) {
         let first = self.samples.partition_point(|sample| sample.point.distance <= from).max(1);
-        for end in first..self.samples.len() {
+        for (end, change) in changes.iter_mut().enumerate().skip(first) {
             if self.samples[end - 1].point.distance >= to {
                 break;
             }
@@ -64,7 +64,7 @@ impl<R: Real> FeedLimit<R> {
                     }
                 }
                 Slower::Changes { most, shares } => {
-                    changes[end] = (most, changes[end].1.min(shares));
+                    *change = (most, change.1.min(shares));
                 }
             }
         }
