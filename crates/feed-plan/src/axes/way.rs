@@ -195,7 +195,7 @@ impl<'a, C> Way<'a, C> {
 
     /// The acceleration and jerk that the path has between two distances.
     pub(crate) fn of_path(&self, from: f64, to: f64) -> Allowance<f64> {
-        let all = Allowance { acceleration: self.limits.acceleration, jerk: self.limits.jerk };
+        let all = Allowance::of_path(self.limits);
         if self.has_allowances { self.geometry.limit().allowance_over(from, to).min(all) } else { all }
     }
 

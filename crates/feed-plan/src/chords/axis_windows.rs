@@ -43,11 +43,14 @@ pub(super) struct AxisWindows<'a, R, const D: usize> {
     pub(super) limits: &'a KinematicLimits<R>,
 }
 
-/// A window: how many differences it is wide in all, of so many periods each, and its last setpoint, which may be beyond the section's.
+/// The places of one difference.
 #[derive(Clone, Copy)]
 struct Window {
+    /// The order of the difference.
     order: usize,
+    /// The periods from one place to the next.
     width: usize,
+    /// The number of the last place; beyond the last setpoint the tool stands.
     end: usize,
 }
 
@@ -57,7 +60,7 @@ fn exponent(order: usize) -> i32 {
 }
 
 impl Window {
-    /// The setpoint so many differences before the last one, of a section whose last one is this.
+    /// The number of the place that is `back` widths before the end, in a section whose last setpoint is `last`.
     fn setpoint(&self, back: usize, last: usize) -> usize {
         self.end.saturating_sub(back * self.width).min(last)
     }
@@ -120,8 +123,8 @@ impl<R: Real, const D: usize> AxisWindows<'_, R, D> {
         }
     }
 
-    /// The way of windows from a first one to the one with this last setpoint, which exceed a limit by so much at most. Where the feed
-    /// changes much in them, it is to change more slowly.
+    /// The way of successive windows, of which the worst takes `excess` times the limit. Where the feed changes much in them, it is to
+    /// change more slowly.
     fn slower(&self, (first, end, excess): (Window, usize, R)) -> TooFast<R> {
         let root = if first.order == 2 { excess.sqrt() } else { cube_root(excess) };
         let share = (R::one() - R::one().ldexp(BELOW)) / root;
@@ -133,7 +136,7 @@ impl<R: Real, const D: usize> AxisWindows<'_, R, D> {
         let slowest = ways().fold(highest, R::min);
         let limits = self.limits;
         let slower = if slowest < highest.half() {
-            let most = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
+            let most = Allowance::of_path(limits);
             let square = share * share;
             Slower::Changes { most, shares: Allowance { acceleration: square, jerk: square * share } }
         } else {
@@ -156,7 +159,7 @@ impl<R: Real, const D: usize> AxisWindows<'_, R, D> {
         self.setpoints.len() - 1
     }
 
-    /// The setpoint so many differences before a window's last one.
+    /// The setpoint that is `back` widths before a window's end.
     fn setpoint(&self, window: Window, back: usize) -> &Setpoint<R, D> {
         &self.setpoints[window.setpoint(back, self.last())]
     }
@@ -195,7 +198,7 @@ mod tests {
     use crate::AxisLimits;
     use crate::test_paths::paper_limits;
 
-    /// What is found along x(t) = sin(t/40) · 10 in 200 periods.
+    /// The findings along x(t) = 10 sin(t/40) in 200 periods.
     fn found(junction: Junction<f64>, acceleration: f64, jerk: f64, corner: bool) -> Vec<TooFast<f64>> {
         let axis = AxisLimits { velocity: None, acceleration: Some(acceleration), jerk: Some(jerk) };
         let limits = KinematicLimits {

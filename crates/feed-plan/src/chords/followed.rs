@@ -57,9 +57,9 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         let rounding = if R::IS_FLOATING { R::resolution() * self.limit.length() } else { R::resolution() };
         let mut judged = Differences::after(rests[0], limits, rounding.ldexp(ROUNDING));
         let mut begins_at_rest = rests[0];
-        let rounding_of_points = self.rounding_of(&self.leaving(begin));
         let windows = |setpoints: &[Setpoint<R, D>], rests| {
-            AxisWindows { setpoints, rests, rounding: rounding_of_points, limits }.too_fast()
+            let rounding = self.rounding_of(&self.leaving(begin));
+            AxisWindows { setpoints, rests, rounding, limits }.too_fast()
         };
         let mut seen = limits.limit_accelerations_of_axes(D).then(|| Vec::from([self.beginning_at(begin)]));
         let within = stop - self.limit.rounding();
@@ -204,7 +204,7 @@ impl<R: Real> Differences<R> {
 
     /// Adds a way over which so much of the limits is taken; ways that overlap are one.
     fn strain(&mut self, from: R, to: R, taken: Allowance<R>, limits: &KinematicLimits<R>) {
-        let most = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
+        let most = Allowance::of_path(limits);
         let below = R::one() - R::one().ldexp(BELOW);
         let share = |taken: R| if taken > R::one() { below / taken } else { R::one() };
         let mut shares = Allowance { acceleration: share(taken.acceleration), jerk: share(taken.jerk) };

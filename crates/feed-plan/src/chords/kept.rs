@@ -26,12 +26,12 @@ use crate::{FeedLimit, KinematicLimits, ScheduleBuf, Section, sections};
 const TRIALS: usize = 8;
 /// Sections are planned again in the first of them alone, so many.
 const LOWERINGS: usize = 6;
-/// For what its arcs take, so many, if it would have to be slowed down by more than this share, 2⁻⁹: solving for less takes longer than it is
-/// worth.
+/// In the first two, also where the arcs of the run take too much, if slowing down would cost more than 2⁻⁹ of the time: less is not worth
+/// another solution.
 const STRAINS: usize = 2;
 const WORTH: i32 = -9;
-/// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more, all of the section would pay for
-/// it, and the run is left to its judge.
+/// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more,
+/// all of the section would pay for it, and the run is left to its judge.
 const MOST: i32 = -6;
 
 /// A plan in arcs with its chords, and what is known of the run of each section.
@@ -83,9 +83,11 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
         if slower.is_none() && again.is_none() {
             break;
         }
-        let again_is_found = again.is_some();
-        let next = slower.unwrap_or_else(|| found.clone());
-        let next = again.map_or_else(|| next.clone(), |again| by_sections(&next, &again, &too_fast));
+        let others = slower.as_ref().unwrap_or(&found);
+        let next = match &again {
+            Some(again) => spliced(others, wanted(again, &too_fast), &too_fast),
+            None => others.clone(),
+        };
         let changed: Vec<_> = sections(found.stages())
             .zip(sections(next.stages()))
             .map(|(a, b)| a.stages() != b.stages())
@@ -93,16 +95,19 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
         if !changed.contains(&true) {
             break;
         }
-        let is_again = again_is_found.then_some(&too_fast);
-        let mosts = most_of(&next).into_iter().zip(is_again.into_iter().flatten());
-        let planned_again = longest.iter_mut().zip(mosts).zip(&changed);
-        planned_again
-            .filter(|((_, (_, again)), changed)| **again && **changed)
-            .for_each(|((longest, (most, _)), _)| *longest = most);
+        for (((longest, most), is_again), is_changed) in
+            longest.iter_mut().zip(most_of(&next)).zip(&too_fast).zip(&changed)
+        {
+            // No section that is to be planned again is slowed down in the same trial.
+            if *is_again && *is_changed {
+                *longest = most;
+            }
+        }
         // The other sections are followed already.
-        let part = only(&next, &changed);
+        let mut part = ScheduleBuf { stages: Vec::new(), periods: 0, ..next };
+        wanted(&next, &changed).for_each(|section| part.push(&section));
         let (chords_of_part, followed_again) = limit.followed(curves, &part, limits);
-        chords = replaced(&chords, &chords_of_part, &changed);
+        chords = restarted(spliced(&chords, sections(chords_of_part.stages()), &changed));
         let places = followed.iter_mut().zip(&changed).filter(|(_, is_changed)| **is_changed);
         places.zip(followed_again).for_each(|((place, _), again)| *place = again);
         (found, is_changed) = (next, true);
@@ -148,38 +153,30 @@ fn shares<R: Real>(
 }
 
 /// The sections of a plan for which that is said.
-fn only<R: Real>(plan: &ScheduleBuf<R>, is_wanted: &[bool]) -> ScheduleBuf<R> {
-    let mut found = ScheduleBuf { stages: Vec::new(), periods: 0, ..*plan };
-    for (section, _) in sections(plan.stages()).zip(is_wanted).filter(|(_, is_wanted)| **is_wanted) {
-        found.push(&section);
-    }
-    found
+fn wanted<'a, R: Real>(
+    plan: &'a ScheduleBuf<R>,
+    is_wanted: &'a [bool],
+) -> impl Iterator<Item = Section<'a, R>> {
+    sections(plan.stages()).zip(is_wanted).filter_map(|(section, is_wanted)| is_wanted.then_some(section))
 }
 
-/// A plan in chords with the next section of others in the place of each section for which that is said.
-fn replaced<R: Real>(plan: &ScheduleBuf<R>, others: &ScheduleBuf<R>, is_other: &[bool]) -> ScheduleBuf<R> {
+/// A plan with the next of other sections in the place of each section for which that is said.
+fn spliced<'a, R: Real>(
+    plan: &'a ScheduleBuf<R>,
+    mut others: impl Iterator<Item = Section<'a, R>>,
+    is_other: &[bool],
+) -> ScheduleBuf<R> {
     let mut found = ScheduleBuf { stages: Vec::with_capacity(plan.stages().len()), periods: 0, ..*plan };
-    let mut others = sections(others.stages());
-    let mut start = R::zero();
     for (own, is_other) in sections(plan.stages()).zip(is_other) {
-        let section = if *is_other { others.next().unwrap_or(own) } else { own };
-        found.push(&section);
-        let first = found.stages.len() - section.stages().len();
-        for stage in found.stages.iter_mut().skip(first) {
-            stage.start = start;
-            start = start + stage.length;
-        }
+        let other = if *is_other { others.next() } else { None };
+        found.push(&other.unwrap_or(own));
     }
     found
 }
 
-/// A plan with the sections of another one where that is said; both rest at the same places.
-fn by_sections<R: Real>(plan: &ScheduleBuf<R>, other: &ScheduleBuf<R>, is_other: &[bool]) -> ScheduleBuf<R> {
-    let mut found = ScheduleBuf { stages: Vec::with_capacity(plan.stages().len()), periods: 0, ..*plan };
-    for ((own, other), is_other) in sections(plan.stages()).zip(sections(other.stages())).zip(is_other) {
-        found.push(if *is_other { &other } else { &own });
-    }
-    found
+/// A plan in chords whose stages begin where the sums of those before them end.
+fn restarted<R: Real>(plan: ScheduleBuf<R>) -> ScheduleBuf<R> {
+    plan.by_sections(&[], |stages, _| stages.to_vec())
 }
 
 impl<R: Real> ScheduleBuf<R> {
@@ -198,16 +195,16 @@ fn periods_of<R: Real>(section: &Section<'_, R>, period: R) -> u32 {
 impl<R: Real> Kept<R> {
     /// Of each section the one of both plans that takes fewer periods, if its run is kept like the other's. Both rest at the same places.
     pub(crate) fn faster_by_sections(self, other: Self) -> Self {
-        self.by_sections(other, |own, other, is_faster| is_faster && (other || !own))
+        self.with_sections_of(other, |own, other, is_faster| is_faster && (other || !own))
     }
 
     /// Of each section the one of both plans whose run is kept, or if that says nothing, the one that takes fewer periods.
     pub(crate) fn better_by_sections(self, other: Self) -> Self {
-        self.by_sections(other, |own, other, is_faster| if own == other { is_faster } else { other })
+        self.with_sections_of(other, |own, other, is_faster| if own == other { is_faster } else { other })
     }
 
     /// Of each section the other plan's where that is said by whether both runs are kept and the other takes fewer periods.
-    fn by_sections(self, other: Self, is_better: impl Fn(bool, bool, bool) -> bool) -> Self {
+    fn with_sections_of(self, other: Self, is_better: impl Fn(bool, bool, bool) -> bool) -> Self {
         let period = self.arcs.interpolation_period;
         let periods = |plan: &Self| -> Vec<_> {
             sections(plan.arcs.stages()).map(|section| periods_of(&section, period)).collect()
@@ -224,8 +221,8 @@ impl<R: Real> Kept<R> {
             if *is_other { *other } else { *own }
         };
         Self {
-            arcs: by_sections(&self.arcs, &other.arcs, &is_other),
-            chords: replaced(&self.chords, &only(&other.chords, &is_other), &is_other),
+            arcs: spliced(&self.arcs, wanted(&other.arcs, &is_other), &is_other),
+            chords: restarted(spliced(&self.chords, wanted(&other.chords, &is_other), &is_other)),
             sections: self.sections.iter().zip(&other.sections).zip(&is_other).map(section).collect(),
             is_changed: true,
         }

@@ -280,7 +280,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         End { run: end, last_period, ahead }
     }
 
-    /// The way left out behind these stages, where a plan of some sections does not go on where it rests.
+    /// The length of path between these stages and the next ones, in a plan that holds some sections alone.
     fn gaps(&self, arcs: &Schedule<'_, R>, stages: Range<usize>) -> R {
         let pairs = stages.filter_map(|stage| arcs.stages().get(stage).zip(arcs.stages().get(stage + 1)));
         let gaps = pairs.map(|(stage, next)| next.start - (stage.start + stage.length));

@@ -107,6 +107,11 @@ impl<R: Real> Allowance<R> {
         Self { acceleration: R::max_value(), jerk: R::max_value() }
     }
 
+    /// All that the path has.
+    pub(crate) fn of_path(limits: &KinematicLimits<R>) -> Self {
+        Self { acceleration: limits.acceleration, jerk: limits.jerk }
+    }
+
     pub(crate) fn min(self, other: Self) -> Self {
         Self { acceleration: self.acceleration.min(other.acceleration), jerk: self.jerk.min(other.jerk) }
     }
@@ -131,7 +136,7 @@ impl<R: Real> AxisBudget<R> {
         let is_limited = |axis: &AxisLimits<R>| axis.velocity.or(axis.acceleration).or(axis.jerk).is_some();
         limits.axes.iter().any(is_limited).then(|| Self {
             axes: limits.axes,
-            path: Allowance { acceleration: limits.acceleration, jerk: limits.jerk },
+            path: Allowance::of_path(limits),
             least_feed: limits.feedrate.ldexp(LEAST_FEED),
             period: limits.interpolation_period,
         })
@@ -336,7 +341,7 @@ mod tests {
         assert!((reserve.acceleration - 0.7e-3 / slope).abs() < 1e-12, "{reserve:?}");
         assert!((reserve.jerk - 0.5e-4 / slope).abs() < 1e-12, "{reserve:?}");
         let circle = budget.reserve(&Turning::at(&[0.0, 1.0, 0.0], &[-0.05, 0.0, 0.0]).share);
-        assert_eq!(circle, Allowance { acceleration: limits.acceleration, jerk: limits.jerk });
+        assert_eq!(circle, Allowance::of_path(&limits));
     }
 
     /// A circle of 10 mm radius, which an axis of 500 mm/s³ passes at 29 mm/s at most, in 2.2 s: without a limit of its acceleration

@@ -28,7 +28,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
         Some(commands) => {
             let mut steps = OverriddenSteps::new(job, &path, commands);
             observer.look(0, &mut steps);
-            steps.by_ref().for_each(drop);
+            steps.by_ref().take_while(|_| !observer.is_over()).for_each(drop);
             observer.take(0);
             steps.outcome
         }

@@ -71,45 +71,31 @@ where
     let trial = Trial::new(&job, Datapath::default())?;
     let up_to_bits = *WIDTHS.end();
     Ok(match narrowest(&trial, runs) {
-        Ok(run) => {
+        Some(run) => {
             let fluctuation = run.fluctuation.map_or(f64::NAN, |found| found.cruise_max_abs);
             let margin = problem.machine.fluctuation_limit / fluctuation;
             FewestBits::Found { format: run.format, bits: run.bits, fluctuation, margin }
         }
-        Err(_) => match broken_in_f64(&trial, runs) {
+        None => match broken_in_f64(&trial, runs) {
             broken if broken.is_empty() => FewestBits::None { up_to_bits },
             broken => FewestBits::BrokenByPlan { up_to_bits, broken },
         },
     })
 }
 
-/// The run in the narrowest format that is good; or what the widest breaks, if none is. `runs` are other runs of the path, by which its hardest
-/// sections are known.
-pub(crate) fn narrowest<const D: usize>(
-    trial: &Trial<'_, D>,
-    runs: &[JudgedRun],
-) -> Result<JudgedRun, Vec<&'static str>>
+/// The run in the narrowest format that is good. `runs` are other runs of the path, by which its hardest sections are known.
+pub(crate) fn narrowest<const D: usize>(trial: &Trial<'_, D>, runs: &[JudgedRun]) -> Option<JudgedRun>
 where
     Space: Dimension<D>,
 {
     trial.watch_hardest(runs);
     let is_good = |run: &JudgedRun| run.engine == Engine::Pieces && run.verdict.is_good();
-    let (mut widest, mut broken) = (*WIDTHS.end(), Vec::new());
+    let mut widest = *WIDTHS.end();
     if !runs.iter().any(is_good) {
-        let has_good = |width: &u32| match with_most_fraction_bits(trial, *width) {
-            Tried::Good(_) => true,
-            Tried::Broken(now) => {
-                broken = now;
-                false
-            }
-            Tried::Refused => false,
-        };
-        match WIDTHS.into_iter().find(has_good) {
-            Some(width) => widest = width,
-            None => return Err(broken),
-        }
+        let has_good = |width: &u32| matches!(with_most_fraction_bits(trial, *width), Tried::Good(_));
+        widest = WIDTHS.into_iter().find(has_good)?;
     }
-    (*WIDTHS.start()..=widest).find_map(|width| first_good(trial, width)).ok_or(broken)
+    (*WIDTHS.start()..=widest).find_map(|width| first_good(trial, width))
 }
 
 /// The trial of the format of this width with the most fraction bits that the path fits.

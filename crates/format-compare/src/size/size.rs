@@ -135,7 +135,7 @@ where
     let trial = Trial::new(&job, datapath)?;
     let widths: Vec<_> = WIDTHS.collect();
     let mut tried = in_parallel(&widths, |width| trial.narrowest_integer_part(*width));
-    let uniform = narrowest(&trial, &tried).ok();
+    let uniform = narrowest(&trial, &tried);
     if let Some(uniform) = &uniform {
         tried.iter_mut().filter(|run| run.bits == uniform.bits).for_each(|run| *run = uniform.clone());
     }

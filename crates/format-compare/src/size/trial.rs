@@ -43,8 +43,8 @@ pub(crate) fn search_options(options: &Options) -> Options {
 pub(crate) enum Tried {
     /// The run of the whole path keeps every requirement.
     Good(Box<JudgedRun>),
-    /// Requirements that the run breaks.
-    Broken(Vec<&'static str>),
+    /// The run breaks a requirement.
+    Broken,
     /// The path cannot be run in the format.
     Refused,
 }
@@ -182,28 +182,27 @@ where
 
     /// Whether a format breaks nothing in these sections.
     pub(crate) fn holds_in(&self, format: RuntimeFormat, sections: &[usize]) -> bool {
-        matches!(self.in_sections(format, sections), Ok(broken) if broken.is_empty())
+        self.holds_in_each(format, sections).unwrap_or(false)
     }
 
-    /// What a format breaks in the first of these sections in which it breaks anything.
-    fn in_sections(&self, format: RuntimeFormat, sections: &[usize]) -> Result<Vec<&'static str>, Refusal> {
+    /// The same; a refusal where the path cannot be run in the format.
+    fn holds_in_each(&self, format: RuntimeFormat, sections: &[usize]) -> Result<bool, Refusal> {
         for section in sections.iter().filter_map(|section| self.sections.get(*section)) {
-            let broken = format.run::<0, _>(|| self.in_section(section))?;
-            if !broken.is_empty() {
-                return Ok(broken);
+            if !format.run::<0, _>(|| self.holds_in_section(section))? {
+                return Ok(false);
             }
         }
-        Ok(Vec::new())
+        Ok(true)
     }
 
-    /// What the run-time format breaks in a section.
-    fn in_section(&self, section: &PlannedSection) -> Result<Vec<&'static str>, Refusal> {
+    /// Whether the run-time format breaks nothing in a section.
+    fn holds_in_section(&self, section: &PlannedSection) -> Result<bool, Refusal> {
         let before = self.before_the_run()?;
         let is_enough = |_: usize, part: &Tally| !self.broken(&before, part).is_empty();
         let run =
             |observer: &dyn Observer| by_engine::section::<RuntimeFixed<0>, D>(self.job, section, observer);
         let (about, part) = self.judge(&is_enough).judge_section(run)?;
-        Ok(self.broken(&about, &part).iter().map(|one| one.what).collect())
+        Ok(self.broken(&about, &part).is_empty())
     }
 
     /// What is known of a run in the run-time format before it is made.
@@ -238,40 +237,40 @@ where
         if format.run::<0, _>(|| on_pieces::compiled::<RuntimeFixed<0>, D>(self.job)).is_err() {
             return Tried::Refused;
         }
-        match self.in_sections(format, &self.watched()) {
+        match self.holds_in_each(format, &self.watched()) {
             Err(_) => Tried::Refused,
-            Ok(broken) if broken.is_empty() => self.whole(format),
-            Ok(broken) => Tried::Broken(broken),
+            Ok(true) => self.whole(format),
+            Ok(false) => Tried::Broken,
         }
     }
 
     /// Runs the whole path in this format, until it is known to break a requirement. The section where it does is watched from then on.
     pub(crate) fn whole(&self, format: RuntimeFormat) -> Tried {
         let Ok(before) = format.run::<0, _>(|| self.before_the_run()) else { return Tried::Refused };
-        let found = Mutex::new(None);
+        let broken_in = Mutex::new(None);
         let is_enough = |stretch: usize, part: &Tally| {
             let broken = self.broken(&before, part);
             let begin = self.stretches.get(stretch).map_or(0, |stretch| stretch.first_period);
             // The first period of a stretch is judged last, so that its second is the first of these.
             let period = broken.first().map(|one| begin + one.at.map_or(0, |at| at.period));
-            let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
-            *found = found.take().or_else(|| Some((period?, broken)));
+            let mut broken_in = broken_in.lock().unwrap_or_else(PoisonError::into_inner);
+            *broken_in = broken_in.or(period);
             period.is_some()
         };
         let tried = Space::at_run_time(format);
         let judged = self.judge(&is_enough).judge(|observer| tried.run_job(self.job, observer));
         let Ok((about, judgement)) = judged else { return Tried::Refused };
         self.count_run();
-        if let Some((period, broken)) = found.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        if let Some(period) = broken_in.into_inner().unwrap_or_else(PoisonError::into_inner) {
             self.watch(period);
-            return Tried::Broken(broken.iter().map(|one| one.what).collect());
+            return Tried::Broken;
         }
         let run = JudgedRun::of((format.name(), Engine::Pieces), self.job.problem, &about, &judgement);
         if run.verdict.is_good() {
             return Tried::Good(Box::new(run));
         }
         let broken = run.requirements.iter().filter(|one| !one.holds());
-        broken.clone().filter_map(|one| one.at).for_each(|at| self.watch(at.period.saturating_sub(1)));
-        Tried::Broken(broken.map(|one| one.what).collect())
+        broken.filter_map(|one| one.at).for_each(|at| self.watch(at.period.saturating_sub(1)));
+        Tried::Broken
     }
 }

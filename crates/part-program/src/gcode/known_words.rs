@@ -142,7 +142,8 @@ const G_WORDS: &[Row] = &[
     (&[680, 682], F | N, Act::Frame(690), "turned coordinates"),
     (&[690], ALL, Act::Off, "turned coordinates off"),
     (&[700, 710], S | N, Act::Read, "inches and millimetres, of lengths alone"),
-    (&[700, 710, 720, 721, 722, 723], F | L | N, Act::Lathe, "on a lathe: a contour"),
+    (&[700, 710, 721, 722, 723], F | L | N, Act::Lathe, "on a lathe: a contour"),
+    (&[720], F | L | N, Act::Leave, "a cycle; with the blocks of a contour it is a lathe's, and refused"),
     (
         &[730, 740, 760],
         F | L | N,

@@ -60,7 +60,7 @@ pub(crate) fn in_parts<R: Real>(
 ) -> Result<Vec<Stage<R>>, PlanError> {
     let [first, .., last] = keys else { return Ok(Vec::new()) };
     let curves = slow.map_or(&[][..], |slow| slow.curves);
-    let all = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
+    let all = Allowance::of_path(limits);
     let mut parts = Parts {
         limit,
         shape,
