@@ -245,6 +245,11 @@ fn rows(comparison: &Comparison) -> String {
     if let Some(time) = part.planned_time_s {
         text += &format!("; planned in {time:.3} s");
     }
+    if let Some(lowered) = part.lowered_for_chords {
+        text += &format!(
+            ". Fluctuation is against the plan as lowered for chords, by {lowered:.1e} of the feed at most"
+        );
+    }
     let passes_corners = comparison.formats.iter().any(|row| row.corner_error_mm_max > Some(0.0));
     let mut table = Table::new();
     table.load_preset(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);

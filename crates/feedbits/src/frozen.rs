@@ -116,6 +116,7 @@ fn comparison(name: &str, formats: Vec<JudgedRun>) -> Comparison {
             rapids_left_out: 0,
             length_mm: 55.708,
             planned_time_s: Some(1.185),
+            lowered_for_chords: Some(2.5e-6),
             window_mm: None,
             lowest_feedrate_mm_per_s: None,
             without_look_ahead: None,

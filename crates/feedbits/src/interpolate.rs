@@ -2,7 +2,7 @@
 
 mod rows;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -56,8 +56,9 @@ pub(crate) struct Arguments {
         value_parser = number(&RESERVE)
     )]
     reserve: f64,
-    /// Write test vectors into this folder: what the step holds in each period, bit by bit, as CSV and as memory images.
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["overrides", "out", "json"])]
+    /// Write test vectors into this folder: what the step holds in each period, bit by bit, as CSV and as memory images. The setpoints are
+    /// written beside them with --out or --json.
+    #[arg(long, value_name = "FOLDER", conflicts_with = "overrides")]
     vectors: Option<PathBuf>,
     #[command(flatten)]
     output: output::Output,
@@ -65,23 +66,33 @@ pub(crate) struct Arguments {
 
 /// Interpolates and writes a line for each period.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    if let Some(path) = &arguments.vectors {
-        let folder = Folder::named("--vectors", path)?;
-        VECTOR_FILES.iter().try_for_each(|name| folder.place(name).map(|_| ()))?;
-        let vectors = match arguments.run.problem(&arguments.input)? {
-            AnyProblem::Planar(problem) => in_part(&problem, vectors(&problem, arguments))?,
-            AnyProblem::Spatial(problem) => in_part(&problem, vectors(&problem, arguments))?,
-        };
-        return write_vectors(&folder, &vectors);
-    }
-    let out = arguments.output.place()?;
+    let folder = arguments.vectors.as_deref().map(vectors_folder).transpose()?;
+    let is_wanted = folder.is_none() || arguments.output.json || arguments.output.out.is_some();
+    let out = is_wanted.then(|| arguments.output.place()).transpose()?;
+    let places = (folder.as_ref(), out.as_ref());
     let broken = match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => in_part(&problem, setpoints(&problem, arguments, &out))?,
-        AnyProblem::Spatial(problem) => in_part(&problem, setpoints(&problem, arguments, &out))?,
+        AnyProblem::Planar(problem) => in_part(&problem, results(&problem, arguments, places))?,
+        AnyProblem::Spatial(problem) => in_part(&problem, results(&problem, arguments, places))?,
     };
     let Some(broken) = broken else { return Ok(Ending::Good) };
     output::say(&format!("feedbits: {broken}"));
     Ok(Ending::RequirementNotMet)
+}
+
+/// Writes the test vectors and the setpoints, of which each has a place if it is wanted. Returns which limits of the motion the run breaks, if
+/// setpoints are wanted and it breaks any.
+fn results<const D: usize>(
+    problem: &Problem<D>,
+    arguments: &Arguments,
+    (folder, out): (Option<&Folder>, Option<&Place>),
+) -> Result<Option<String>>
+where
+    Space: Dimension<D>,
+{
+    if let Some(folder) = folder {
+        write_vectors(folder, &vectors(problem, arguments)?)?;
+    }
+    out.map_or(Ok(None), |out| setpoints(problem, arguments, out))
 }
 
 /// Writes the setpoints while they are made. Returns which limits of the motion the run breaks, if any.
@@ -203,8 +214,15 @@ where
 /// The files of test vectors.
 const VECTOR_FILES: [&str; 5] = ["about.json", "periods.csv", "periods.hex", "signals.csv", "signals.hex"];
 
+/// The folder for test vectors, in which each of their files can be written.
+pub(crate) fn vectors_folder(path: &Path) -> Result<Folder> {
+    let folder = Folder::named("--vectors", path)?;
+    VECTOR_FILES.iter().try_for_each(|name| folder.place(name).map(|_| ()))?;
+    Ok(folder)
+}
+
 /// Writes the files of test vectors, all of them or none.
-fn write_vectors(folder: &Folder, vectors: &Vectors) -> Result<Ending> {
+pub(crate) fn write_vectors(folder: &Folder, vectors: &Vectors) -> Result<()> {
     let Vectors { about, periods, signals } = vectors;
     let about = serde_json::to_string_pretty(about)? + "\n";
     let texts = [&about, &periods.csv, &periods.image, &signals.csv, &signals.image];
@@ -212,7 +230,7 @@ fn write_vectors(folder: &Folder, vectors: &Vectors) -> Result<Ending> {
     folder.write(&files)?;
     let VectorsAbout { periods, format, .. } = &vectors.about;
     output::note(&format!("{periods} periods in {format} are in {}", folder.path().display()));
-    Ok(Ending::Good)
+    Ok(())
 }
 
 /// A time and an override, as in `0.5:150`.

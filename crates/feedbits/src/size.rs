@@ -2,18 +2,24 @@
 
 mod types;
 
+use std::path::PathBuf;
+
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use format_compare::{Dimension, Engine, FrontPoint, Machine, Mixed, Problem, Register, Sizing, Space};
+use format_compare::{
+    Dimension, Engine, FrontPoint, Machine, Mixed, Problem, Register, Sizing, Space, Vectors,
+};
 use real::{Datapath, Overflow, Rounding};
 use serde::Serialize;
 use target_cost::Target;
 use types::{Language, Types};
 
 use crate::baseline::{self, Baseline, BaselineArguments};
+use crate::bounds::expect_few_vectors;
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input, in_part};
+use crate::interpolate::{vectors_folder, write_vectors};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::screen::{self, times};
@@ -36,6 +42,10 @@ pub(crate) struct Arguments {
     /// Write the registers of the signals as types of this language, in place of the report.
     #[arg(long, value_enum, value_name = "LANGUAGE", conflicts_with = "json")]
     types: Option<Language>,
+    /// Write test vectors of the run with these registers into this folder: the setpoint of each period, and the word of each register,
+    /// in its own width, as CSV and as memory images.
+    #[arg(long, value_name = "FOLDER")]
+    vectors: Option<PathBuf>,
     #[command(flatten)]
     targets: TargetArguments,
     #[command(flatten)]
@@ -85,10 +95,11 @@ impl Arguments {
 /// Searches and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let out = arguments.output.place()?;
+    let folder = arguments.vectors.as_deref().map(vectors_folder).transpose()?;
     let part = arguments.input.text()?;
     let baseline = arguments.baseline.read("size", &part)?;
     let targets = arguments.targets.read()?;
-    let (found, types) = match arguments.run.problem_of(&arguments.input, &part)? {
+    let (found, types, vectors) = match arguments.run.problem_of(&arguments.input, &part)? {
         AnyProblem::Planar(problem) => {
             in_part(&problem, size(&problem, arguments, &targets, baseline.as_ref()))?
         }
@@ -107,6 +118,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
             return Ok(Ending::RequirementNotMet);
         }
     };
+    if let (Some(folder), Some(vectors)) = (&folder, &vectors) {
+        write_vectors(folder, vectors)?;
+    } else if folder.is_some() {
+        output::say("feedbits: no test vectors are written: no registers are enough");
+    }
     output::write(&out, &text)?;
     let ending = if is_met { Ending::Good } else { Ending::RequirementNotMet };
     baseline.map_or(Ok(ending), |baseline| baseline.judge(&found, ending))
@@ -133,7 +149,7 @@ fn size<const D: usize>(
     arguments: &Arguments,
     targets: &[Target],
     baseline: Option<&Baseline>,
-) -> Result<(Found, Option<String>)>
+) -> Result<(Found, Option<String>, Option<Vectors>)>
 where
     Space: Dimension<D>,
 {
@@ -142,6 +158,9 @@ where
         bail!("registers are sized for compiled pieces: give --evaluate pieces, or nothing");
     }
     baseline.map_or(Ok(()), |baseline| baseline.expect_machine(&problem.machine))?;
+    if arguments.vectors.is_some() {
+        expect_few_vectors(problem, &options)?;
+    }
     let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
     let formats = selected::<D>(&["f64".to_string()])?;
     let (plan, datapath) =
@@ -150,6 +169,10 @@ where
     if !targets.is_empty() {
         format_compare::price_sizing(&mut sizing, problem, &plan, &options, targets)?;
     }
+    let vectors = match arguments.vectors {
+        Some(_) => format_compare::register_vectors(&sizing, problem, &plan, &options, datapath.rounding)?,
+        None => None,
+    };
     progress.finish();
     let (part, fluctuation_limit) = (problem.name.as_str(), problem.machine.fluctuation_limit);
     let types =
@@ -157,7 +180,7 @@ where
             Types { mixed, datapath, part, fluctuation_limit }.in_language(language)
         });
     let (part, machine) = (PartName { name: problem.name.clone() }, problem.machine.clone());
-    Ok((Found { part, machine, sizing }, types))
+    Ok((Found { part, machine, sizing }, types, vectors))
 }
 
 /// The width that is enough, or why none is.

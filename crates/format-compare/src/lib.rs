@@ -145,6 +145,6 @@ pub use run::overrides::{OverrideCommands, OverrideError, OverrideTarget, Overri
 pub use run::recorded_run::RecordedRun;
 pub use run::run::{AboutRun, Run, RunStep};
 pub use run::stream::{StreamFailure, StreamRequest};
-pub use run::vectors::{VectorColumn, VectorTable, Vectors, VectorsAbout};
+pub use run::vectors::{RegisterWord, VectorColumn, VectorTable, Vectors, VectorsAbout};
 pub use size::fewest_bits::{FewestBits, fewest_bits};
-pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, size};
+pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, register_vectors, size};

@@ -46,8 +46,10 @@ impl<R: Backend> Wrapper for Named<R> {
     }
 
     fn named(self, name: &'static str) -> Self {
-        NAMED.with_borrow_mut(|named| named.push((name, word_of(self.0))));
-        Self(self.0.signal(name))
+        // A register rounds what it is given: the word is what it holds then.
+        let held = self.0.signal(name);
+        NAMED.with_borrow_mut(|named| named.push((name, word_of(held))));
+        Self(held)
     }
 }
 

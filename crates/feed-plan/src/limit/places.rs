@@ -25,7 +25,8 @@ impl<R: Real> FeedLimit<R> {
     }
 
     /// The last point before `distance`.
-    pub(crate) fn point_before(&self, distance: R) -> Option<&LimitPoint<R>> {
+    #[must_use]
+    pub fn point_before(&self, distance: R) -> Option<&LimitPoint<R>> {
         let before = self.count_before(distance).checked_sub(1)?;
         self.samples.get(before).map(|sample| &sample.point)
     }

@@ -791,6 +791,25 @@ fn test_vectors_are_written_whole_or_not_at_all() {
     assert!(about.contains("\"format\": \"I4F28\""), "{about}");
     assert_eq!(periods.lines().count(), image.lines().count() + 1);
 
+    let output = run(&["--vectors", "beside", "--out", "setpoints.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    assert_eq!(files("beside"), files("once"));
+    let setpoints = fs::read_to_string(folder.path().join("setpoints.csv")).unwrap();
+    assert_eq!(setpoints.lines().count(), periods.lines().count());
+
+    let output = feedbits_in(
+        folder.path(),
+        &["size", &part, "--machine", "router", "--types", "c", "--out", "t.h", "--vectors", "registers"],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    let about: serde_json::Value = serde_json::from_str(&files("registers")[0]).unwrap();
+    let header = fs::read_to_string(folder.path().join("t.h")).unwrap();
+    for register in about["registers"].as_array().unwrap() {
+        let name = register["signal"].as_str().unwrap().to_uppercase();
+        let bits = format!("#define FEED_{name}_BITS {}\n", register["bits"]);
+        assert!(header.contains(&bits), "{bits}");
+    }
+
     let refused = run(&["--vectors", "none", "--evaluate", "de-boor"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(unfolded(&refused.stderr).contains("give --evaluate pieces"), "{}", unfolded(&refused.stderr));

@@ -73,6 +73,10 @@ pub struct PartSummary {
     pub length_mm: f64,
     /// How long the plan takes that all formats run, in s; absent if each format plans for itself.
     pub planned_time_s: Option<f64>,
+    /// By which part of itself the planned feed is lowered for setpoints, at most, because their chords are shorter than the path's arcs:
+    /// the fluctuation is against the plan as lowered. Absent if each format plans for itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lowered_for_chords: Option<f64>,
     /// How much of the path the planner had in view at a time, in mm; absent if it was the whole path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window_mm: Option<f64>,
@@ -199,6 +203,7 @@ where
             length_mm: reference.length_mm(),
             without_look_ahead: common.as_ref().and_then(|plan| OverLimits::of(plan, problem)),
             planned_time_s: common.as_ref().map(|plan| problem.period_s() * plan.periods() as f64),
+            lowered_for_chords: common.as_ref().map(ExactPlan::lowering),
             window_mm: options.window_mm,
             lowest_feedrate_mm_per_s: lowest.filter(|lowest| *lowest < feedrate_mm_per_s),
         },

@@ -249,6 +249,21 @@ impl ExactPlan {
         self.profile
     }
 
+    /// By which part of itself the feed is lowered for setpoints, at most: at a period's end the feed of the [`schedule`](Self::schedule) is
+    /// less than that of [`arcs`](Self::arcs) by as much as chords are shorter than arcs. Feeds of a quarter of the greatest count.
+    pub(crate) fn lowering(&self) -> f64 {
+        let [arcs, chords] = [&self.arcs, &self.chords]
+            .map(|stages| stages.iter().map(|stage| stage.map(DoubleDouble::value)).collect::<Vec<_>>());
+        let sections = [&arcs, &chords].map(|stages| section_periods(stages));
+        let [planned, lowered] =
+            [Lengths::from(&arcs, &sections[0], 0), Lengths::from(&chords, &sections[1], 0)];
+        let least = self.greatest_feed() / 4.0;
+        let feeds = planned.zip(lowered).map(|((_, planned), (_, lowered))| (planned, lowered));
+        feeds
+            .filter(|(planned, _)| *planned >= least)
+            .fold(0.0, |most: f64, (planned, lowered)| most.max(1.0 - lowered / planned))
+    }
+
     /// The greatest feed, in mm per period.
     pub(crate) fn greatest_feed(&self) -> f64 {
         let feeds = self.chords.iter().map(|stage| stage.start_feed.value().max(stage.end_feed.value()));
@@ -289,7 +304,7 @@ impl ExactPlan {
     /// The distance of each period, in mm, exact to the reference's precision, with the feed at the period's end, in mm
     /// per period.
     pub fn lengths(&self) -> impl Iterator<Item = (DoubleDouble, f64)> {
-        self.lengths_from(0)
+        self.lengths_from(0).map(|(length, feed)| (length, feed.value()))
     }
 
     /// As [`lengths`](Self::lengths), from this period on.

@@ -1,7 +1,7 @@
 //! The distance of each period of a plan, from any rest on.
 
 use feed_plan::{Cursor, Schedule, Stage, sections};
-use real::DoubleDouble;
+use real::{DoubleDouble, Real};
 
 /// A section of a plan's stages: where it begins, and how long it takes.
 #[derive(Clone, Copy, Debug)]
@@ -12,9 +12,9 @@ pub(crate) struct SectionPeriods {
 }
 
 /// The sections of these stages on the time grid.
-pub(crate) fn section_periods(stages: &[Stage<DoubleDouble>]) -> Vec<SectionPeriods> {
+pub(crate) fn section_periods<R: Real>(stages: &[Stage<R>]) -> Vec<SectionPeriods> {
     let mut first_period = 0;
-    let section = |section: feed_plan::Section<'_, DoubleDouble>| {
+    let section = |section: feed_plan::Section<'_, R>| {
         let units = section.durations().fold(0_u64, u64::saturating_add);
         let periods = units.div_ceil(1 << 32);
         let found = SectionPeriods { first_stage: section.first(), first_period, periods };
@@ -30,27 +30,23 @@ pub(crate) fn first_stage(sections: &[SectionPeriods], period: u64) -> Option<us
     sections.get(section).map(|section| section.first_stage)
 }
 
-/// The distance of each period, in mm, exact to the reference's precision, with the feed at the period's end, in mm per
-/// period. Each section is walked on its own clock.
+/// The distance of each period, in mm, exact to the precision of `R`, which is the reference's unless another is named, with the feed at
+/// the period's end, in mm per period. Each section is walked on its own clock.
 #[derive(Clone, Debug)]
-pub(crate) struct Lengths<'a> {
-    stages: &'a [Stage<DoubleDouble>],
+pub(crate) struct Lengths<'a, R = DoubleDouble> {
+    stages: &'a [Stage<R>],
     sections: &'a [SectionPeriods],
     /// The number of the section that is walked.
     section: usize,
-    schedule: Schedule<'a, DoubleDouble>,
-    cursor: Cursor<DoubleDouble>,
+    schedule: Schedule<'a, R>,
+    cursor: Cursor<R>,
 }
 
-impl<'a> Lengths<'a> {
+impl<'a, R: Real> Lengths<'a, R> {
     /// From this period on.
-    pub(crate) fn from(
-        stages: &'a [Stage<DoubleDouble>],
-        sections: &'a [SectionPeriods],
-        period: u64,
-    ) -> Self {
+    pub(crate) fn from(stages: &'a [Stage<R>], sections: &'a [SectionPeriods], period: u64) -> Self {
         let behind = sections.partition_point(|section| section.first_period <= period);
-        let schedule = Schedule::new(&[], DoubleDouble::from(1.0), 0);
+        let schedule = Schedule::new(&[], R::one(), 0);
         let cursor = schedule.start();
         let mut lengths = Self { stages, sections, section: behind.saturating_sub(1), schedule, cursor };
         lengths.enter();
@@ -65,18 +61,18 @@ impl<'a> Lengths<'a> {
         let Some(section) = self.sections.get(self.section) else { return };
         let end = self.sections.get(self.section + 1).map_or(self.stages.len(), |next| next.first_stage);
         let own = self.stages.get(section.first_stage..end).unwrap_or_default();
-        self.schedule = Schedule::new(own, DoubleDouble::from(1.0), section.periods);
+        self.schedule = Schedule::new(own, R::one(), section.periods);
         self.cursor = self.schedule.start();
     }
 }
 
-impl Iterator for Lengths<'_> {
-    type Item = (DoubleDouble, f64);
+impl<R: Real> Iterator for Lengths<'_, R> {
+    type Item = (R, R);
 
     fn next(&mut self) -> Option<Self::Item> {
         while self.section < self.sections.len() {
             if let Some(length) = self.schedule.advance(&mut self.cursor) {
-                return Some((length, self.schedule.feed(&self.cursor).value()));
+                return Some((length, self.schedule.feed(&self.cursor)));
             }
             self.section += 1;
             self.enter();
@@ -124,7 +120,7 @@ mod tests {
         let mut cursor = schedule.start();
         let whole: Vec<_> = std::iter::from_fn(|| {
             let length = schedule.advance(&mut cursor)?;
-            Some((length, schedule.feed(&cursor).value()))
+            Some((length, schedule.feed(&cursor)))
         })
         .collect();
         assert_eq!((whole.len(), sections.len()), (16, 3));

@@ -1,6 +1,7 @@
 //! A plan sampled at instants.
 
-use feed_plan::{Stage, StageKind};
+use feed_plan::{FeedLimit, Stage, StageKind};
+use nurbs_core::{Differentiate, FastCurve, arc_length};
 use real::{DoubleDouble, Real};
 use serde::Serialize;
 
@@ -17,7 +18,7 @@ pub struct FeedSample {
     pub distance_mm: f64,
     /// Number of the curve there, from 0.
     pub curve: usize,
-    /// Its parameter there.
+    /// Its parameter there: the arc length up to it is the distance within 1e-9 mm, as far as u tells such places apart.
     pub u: f64,
     /// Feed, in mm/s.
     pub feed_mm_per_s: f64,
@@ -66,6 +67,36 @@ fn for_a_picture(plan: &ExactPlan, most: u64) -> Vec<u64> {
     periods.sort_unstable();
     periods.dedup();
     periods
+}
+
+/// An arc length is known within this, in mm.
+const ARC_TOLERANCE_MM: f64 = 1e-11;
+/// Each of Newton's steps from the limit's cubic squares what is left of its error, so that the last one of three finds nothing to do.
+const NEWTON_STEPS: usize = 4;
+
+/// Curve and parameter at `distance` along the path, by Newton's steps from the limit's own one, which lies on a cubic between two of the
+/// limit's points: `u ← u - (s(u) - distance)/|C'(u)|`, with s from the point before, on the same curve.
+fn exact_parameter<const D: usize>(
+    limit: &FeedLimit<f64>,
+    curves: &[FastCurve<'_, D>],
+    distance: f64,
+) -> (usize, f64) {
+    let (number, mut u) = limit.parameter_at(distance);
+    let from = limit.point_before(distance).filter(|point| point.curve == number);
+    let (Some(curve), Some(from)) = (curves.get(number), from) else { return (number, u) };
+    if let FastCurve::Line(_) = curve {
+        return (number, u);
+    }
+    for _ in 0..NEWTON_STEPS {
+        let way = arc_length(curve, from.u, u, ARC_TOLERANCE_MM).length;
+        let off = from.distance + if u < from.u { -way } else { way } - distance;
+        let speed = f64::norm(&curve.derivatives(u).first);
+        if off.abs() <= ARC_TOLERANCE_MM || speed <= 0.0 {
+            break;
+        }
+        u = (u - off / speed).max(from.u);
+    }
+    (number, u)
 }
 
 /// One over a stage's duration; 0 if it has none.
@@ -130,11 +161,11 @@ impl ExactPlan {
     ///
     /// # Errors
     /// As [`sampled`](Self::sampled).
-    pub fn samples<const D: usize>(
-        &self,
-        problem: &Problem<D>,
+    pub fn samples<'a, const D: usize>(
+        &'a self,
+        problem: &'a Problem<D>,
         per_period: u32,
-    ) -> Result<impl Iterator<Item = FeedSample> + use<'_, D>, Refusal> {
+    ) -> Result<impl Iterator<Item = FeedSample> + use<'a, D>, Refusal> {
         let step = 1.0 / f64::from(per_period);
         let count = self.periods() * u64::from(per_period);
         self.sampled_at(problem, (0..=count).map(move |sample| sample as f64 * step))
@@ -155,16 +186,17 @@ impl ExactPlan {
     }
 
     /// Samples at rising times, in periods.
-    fn sampled_at<const D: usize, T: Iterator<Item = f64>>(
-        &self,
-        problem: &Problem<D>,
+    fn sampled_at<'a, const D: usize, T: Iterator<Item = f64>>(
+        &'a self,
+        problem: &'a Problem<D>,
         times: T,
-    ) -> Result<impl Iterator<Item = FeedSample> + use<'_, D, T>, Refusal> {
+    ) -> Result<impl Iterator<Item = FeedSample> + use<'a, D, T>, Refusal> {
         let t = problem.period_s();
         let feed_limit = self.limit(problem)?;
+        let curves = problem.fast_curves();
         let sample = move |at: Instant<'_>| {
             let (distance_mm, feed) = at.distance_and_feed();
-            let (curve, u) = feed_limit.parameter_at(distance_mm);
+            let (curve, u) = exact_parameter(feed_limit, &curves, distance_mm);
             FeedSample {
                 time_s: at.time * t,
                 distance_mm,

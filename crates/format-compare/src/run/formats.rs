@@ -20,7 +20,7 @@ use crate::run::options::{Options, PlanIn};
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{AboutRun, Run};
 use crate::run::stream::{StreamFailure, StreamRequest, stream};
-use crate::run::vectors::{Vectors, vectors};
+use crate::run::vectors::{Vectors, Words, vectors};
 
 /// A number format that a part of dimension `D` can be run in.
 pub trait Format<const D: usize>: Send + Sync {
@@ -276,7 +276,7 @@ impl<const D: usize> Work for WritingVectors<'_, D> {
     type Output = Result<Vectors, Refusal>;
 
     fn in_backend<R: Backend>(self) -> Self::Output {
-        vectors::<R, D>(&self.job)
+        vectors::<R, D>(&self.job, Words::OfFormat(R::name()))
     }
 }
 

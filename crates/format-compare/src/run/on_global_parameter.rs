@@ -195,7 +195,7 @@ impl<R: Backend, const D: usize> Iterator for Steps<'_, R, D> {
             };
             on.most = if self.job.options.is_interrupted() { 0 } else { on.most - 1 };
             let (wanted_mm, feed) = match on.planned.next() {
-                Some((length, feed)) => (length.to_f64_pair(), feed),
+                Some((length, feed)) => (length.to_f64_pair(), feed.value()),
                 None => (setpoint.length.to_f64_pair(), setpoint.length.to_f64()),
             };
             let mut point_mm = [0.0; 3];

@@ -130,7 +130,8 @@ impl<R: Backend, const D: usize> Iterator for Steps<'_, R, D> {
             if let Some(setpoint) = on.interpolator.step(&mut on.state) {
                 self.outcome.finished = *most > 0 && !self.job.options.is_interrupted();
                 *most = most.saturating_sub(1);
-                return Some(on.step(&setpoint, planned.next(), &mut self.outcome));
+                let planned = planned.next().map(|(length, feed)| (length, feed.value()));
+                return Some(on.step(&setpoint, planned, &mut self.outcome));
             }
             self.current = None;
         }

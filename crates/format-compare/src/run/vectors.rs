@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use nurbs_core::ORIGIN_EXPONENT;
-use real::{Backend, Named, named_words, word_of};
+use real::{Backend, FormatName, Named, Real, named_words, word_of};
 use secant_interp::{PieceInterpolator, Section};
 use serde::Serialize;
 
@@ -49,6 +49,68 @@ pub struct VectorsAbout {
     pub signal_columns: Vec<VectorColumn>,
     /// The signals, in the order of their numbers from 0.
     pub signals: Vec<&'static str>,
+    /// The register of each signal, in the order in which `size` lists them; none where all numbers have one format.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub registers: Vec<RegisterWord>,
+}
+
+/// The width of a register's words.
+#[derive(Clone, Debug, Serialize)]
+pub struct RegisterWord {
+    /// Name of the signal.
+    pub signal: &'static str,
+    /// The register's format.
+    pub format: String,
+    /// Its width.
+    pub bits: u32,
+}
+
+/// What the words of a run are.
+#[derive(Clone, Copy)]
+pub(crate) enum Words<'a> {
+    /// Numbers of one format, as wide as this.
+    OfFormat(FormatName),
+    /// Numbers of [`Quantized`](real::Quantized): each signal has the word of its register.
+    Registers(&'a [RegisterWord]),
+}
+
+impl Words<'_> {
+    /// What holds a signal; what no register holds is an f64.
+    fn held_in(self, signal: &str) -> FormatName {
+        match self {
+            Words::OfFormat(format) => format,
+            Words::Registers(registers) => {
+                let register = registers.iter().find(|register| register.signal == signal);
+                let named = register.and_then(|register| FormatName::named(&register.format));
+                named.unwrap_or(FormatName::Float { bits: 64 })
+            }
+        }
+    }
+
+    /// A signal's number as its register holds it, from the bits of the number that was computed with.
+    fn word(self, signal: &str, bits: u64) -> u64 {
+        match (self, self.held_in(signal)) {
+            (Words::Registers(_), FormatName::Fixed { integer_bits, fraction_bits, .. }) => {
+                let units = f64::from_bits(bits).ldexp(fraction_bits.cast_signed()).round();
+                let mask = u64::MAX >> (64 - (integer_bits + fraction_bits).clamp(1, 64));
+                let size = units.abs().to_phase(-64);
+                if units < 0.0 { size.wrapping_neg() & mask } else { size & mask }
+            }
+            _ => bits,
+        }
+    }
+
+    fn bits(self, signal: &str) -> u32 {
+        self.held_in(signal).bits()
+    }
+
+    /// The width of the widest signal.
+    fn widest(self) -> u32 {
+        match self {
+            Words::OfFormat(format) => format.bits(),
+            Words::Registers(registers) => registers.iter().map(|one| one.bits).max().unwrap_or(64),
+        }
+    }
 }
 
 /// A column of a table.
@@ -82,14 +144,17 @@ impl VectorTable {
         Self { csv: names.join(",") + "\n", columns, image: String::new() }
     }
 
-    fn push(&mut self, values: impl IntoIterator<Item = u64>) {
+    /// Adds a row. A word of the last column may have fewer `bits` than the column: the CSV has as many digits as these take.
+    fn push(&mut self, values: impl IntoIterator<Item = u64>, bits: u32) {
+        let last = self.columns.len().saturating_sub(1);
         for (index, (column, value)) in self.columns.iter().zip(values).enumerate() {
             let digits = column.bits.div_ceil(4) as usize;
+            let own = if index == last { bits.div_ceil(4) as usize } else { digits };
             let comma = if index == 0 { "" } else { "," };
             // Writing to a text cannot fail.
             let _ = match column.is_count {
                 true => write!(self.csv, "{comma}{value}"),
-                false => write!(self.csv, "{comma}{value:0digits$x}"),
+                false => write!(self.csv, "{comma}{value:0own$x}"),
             };
             let _ = write!(self.image, "{value:0digits$x}");
         }
@@ -99,9 +164,12 @@ impl VectorTable {
 }
 
 /// Runs the part on pieces and writes every period down. The plan must rest at each gap of the part.
-pub(crate) fn vectors<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Vectors, Refusal> {
+pub(crate) fn vectors<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
+    words: Words<'_>,
+) -> Result<Vectors, Refusal> {
     let path = on_pieces::compiled::<Named<R>, D>(job)?;
-    let mut writer = Writer::new::<R, D>();
+    let mut writer = Writer::new::<D>(words);
     let whole = path.interpolator();
     for section in path.sections() {
         writer.run(&whole.on(section), section, job.most_periods())?;
@@ -110,7 +178,10 @@ pub(crate) fn vectors<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Ve
     let Writer { periods, signals, names, period, .. } = writer;
     let about = VectorsAbout {
         version: VERSION,
-        format: R::name().to_string(),
+        format: match words {
+            Words::OfFormat(format) => format.to_string(),
+            Words::Registers(_) => "a register for each signal".to_string(),
+        },
         period_s: job.problem.period_s(),
         periods: period,
         coordinate_exponent: pieces.coordinate_exponent,
@@ -119,12 +190,17 @@ pub(crate) fn vectors<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Ve
         period_columns: periods.columns.clone(),
         signal_columns: signals.columns.clone(),
         signals: names,
+        registers: match words {
+            Words::OfFormat(_) => Vec::new(),
+            Words::Registers(registers) => registers.to_vec(),
+        },
     };
     Ok(Vectors { about, periods, signals })
 }
 
 /// The tables so far.
-struct Writer {
+struct Writer<'a> {
+    words: Words<'a>,
     periods: VectorTable,
     signals: VectorTable,
     /// The signals that have been met.
@@ -134,19 +210,19 @@ struct Writer {
     section: u64,
 }
 
-impl Writer {
-    fn new<R: Backend, const D: usize>() -> Self {
-        let word = R::name().bits();
+impl<'a> Writer<'a> {
+    fn new<const D: usize>(words: Words<'a>) -> Self {
         let of_axes = |what: &str, bits: u32| {
             AXES.iter().take(D).map(move |axis| (format!("{what}_{axis}"), bits)).collect::<Vec<_>>()
         };
-        let places = [("phase".to_string(), 64), ("length".to_string(), word)];
+        let places = [("phase".to_string(), 64), ("length".to_string(), words.bits("chord_length"))];
         let periods = VectorTable::new(
             &[("period", 32), ("section", 32), ("piece", 32), ("evaluations", 8)],
-            places.into_iter().chain(of_axes("offset", word)).chain(of_axes("position", 64)),
+            places.into_iter().chain(of_axes("offset", words.bits("offset"))).chain(of_axes("position", 64)),
         );
-        let signals = VectorTable::new(&[("period", 32), ("signal", 8)], [("word".to_string(), word)]);
-        Self { periods, signals, names: Vec::new(), period: 0, section: 0 }
+        let signals =
+            VectorTable::new(&[("period", 32), ("signal", 8)], [("word".to_string(), words.widest())]);
+        Self { words, periods, signals, names: Vec::new(), period: 0, section: 0 }
     }
 
     /// Runs from one rest to the next.
@@ -170,13 +246,14 @@ impl Writer {
                 (section.pieces.start + setpoint.piece) as u64,
                 u64::from(setpoint.evaluations),
             ];
-            let words = [setpoint.phase, word_of(setpoint.length.0)];
-            let offset = setpoint.offset.map(|x| word_of(x.0));
+            let words = [setpoint.phase, self.words.word("chord_length", word_of(setpoint.length.0))];
+            let offset = setpoint.offset.map(|x| self.words.word("offset", word_of(x.0)));
             let position = position.map(i64::cast_unsigned);
-            self.periods.push(counts.into_iter().chain(words).chain(offset).chain(position));
+            self.periods.push(counts.into_iter().chain(words).chain(offset).chain(position), 64);
             for (name, word) in named {
                 let signal = self.number(name);
-                self.signals.push([self.period as u64, signal, word]);
+                let word = self.words.word(name, word);
+                self.signals.push([self.period as u64, signal, word], self.words.bits(name));
             }
             self.period += 1;
         }

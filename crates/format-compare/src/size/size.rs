@@ -11,7 +11,7 @@
 use std::collections::BTreeMap;
 
 use nurbs_core::SignalBound;
-use real::{Datapath, FormatName, Quantized};
+use real::{Datapath, FormatName, Quantized, Rounding};
 use serde::Serialize;
 use target_cost::Target;
 
@@ -27,6 +27,7 @@ use crate::run::job::Job;
 use crate::run::observer::Observer;
 use crate::run::on_pieces;
 use crate::run::options::Options;
+use crate::run::vectors::{RegisterWord, Vectors, Words, vectors};
 use crate::size::fewest_bits::narrowest;
 use crate::size::signals::group_and_meaning;
 use crate::size::trial::{Trial, WIDTHS, search_options};
@@ -161,11 +162,49 @@ where
         return Ok(None);
     };
     let Job { problem, plan, options, .. } = trial.job;
-    // The solver stops where that of the uniform format does, at its resolution: that of f64, in which registers are filled, is finer.
-    let resolution = f64::powi(0.5, fraction_bits.cast_signed());
-    let options = Options { fluctuation: options.fluctuation.or(Some(resolution)), ..(*options).clone() };
+    let options = with_registers(options, fraction_bits);
     let job = Job::new(problem, plan, &options);
     Ok(Search::new(trial, &job)?.mixed(uniform, fraction_bits.cast_signed()))
+}
+
+/// The options of a run with registers: the solver stops where that of the uniform format does, at its resolution; that of f64, in which
+/// registers are filled, is finer.
+fn with_registers(options: &Options, fraction_bits: u32) -> Options {
+    let resolution = f64::powi(0.5, fraction_bits.cast_signed());
+    Options { fluctuation: options.fluctuation.or(Some(resolution)), ..options.clone() }
+}
+
+/// The test vectors of the run with a register for each signal; `None` if the search found no registers.
+///
+/// # Errors
+/// [`Refusal`] when the run cannot be made again.
+pub fn register_vectors<const D: usize>(
+    sizing: &Sizing,
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+    rounding: Rounding,
+) -> Result<Option<Vectors>, Refusal> {
+    let (Some(uniform), Some(mixed)) = (&sizing.uniform, &sizing.mixed) else { return Ok(None) };
+    let Some(FormatName::Fixed { fraction_bits, .. }) = FormatName::named(&uniform.format) else {
+        return Ok(None);
+    };
+    let options = with_registers(&search_options(options), fraction_bits);
+    let fraction_bits = |register: &Register| match FormatName::named(&register.format) {
+        Some(FormatName::Fixed { fraction_bits, .. }) => Some((register.signal, fraction_bits.cast_signed())),
+        _ => None,
+    };
+    let registers: Vec<_> = mixed.signals.iter().filter_map(fraction_bits).collect();
+    let word = |Register { signal, format, bits, .. }: &Register| RegisterWord {
+        signal,
+        format: format.clone(),
+        bits: *bits,
+    };
+    let words: Vec<_> = mixed.signals.iter().map(word).collect();
+    let job = Job::new(problem, plan, &options);
+    // The registers are those of this thread.
+    let run = || vectors::<Quantized, D>(&job, Words::Registers(&words));
+    Quantized::run(rounding, &registers, run).map(Some)
 }
 
 /// Records the run in the narrowest format, and prices it and the registers on each of `targets`.

@@ -1,10 +1,10 @@
 //! Test vectors of runs.
 
-use format_compare::{Options, Vectors, format_named, formats, plan_for};
+use format_compare::{Options, Sizing, Vectors, format_named, formats, plan_for, register_vectors, size};
 use nurbs_core::ORIGIN_EXPONENT;
-use real::Real;
+use real::{Datapath, FormatName, Real};
 
-use crate::examples::{EXAMPLE, on_example_machine};
+use crate::examples::{EXAMPLE, mill, on_example_machine};
 
 fn of(format: &str) -> Vectors {
     let problem = on_example_machine::<2>(EXAMPLE, "");
@@ -79,4 +79,93 @@ fn a_signal_follows_from_another_column() {
         let phase = u64::from_str_radix(&row("phase"), 16).unwrap();
         assert!(parameter.unwrap().abs_diff(phase >> 36) <= 1, "period {}", row("period"));
     }
+}
+
+/// The registers of a part with weights, and the vectors of the run with them.
+fn with_registers() -> (Sizing, Vectors) {
+    let problem = mill::<2>("G1 X0 Y0 F3000\nG2 X20 Y10 I7 J11\n", "");
+    let options = Options::default();
+    let plan = plan_for(&problem, format_named::<2>("f64").unwrap().as_ref(), &options).unwrap();
+    let datapath = Datapath::default();
+    let sizing = size(&problem, &plan, &options, datapath).unwrap();
+    let vectors = register_vectors(&sizing, &problem, &plan, &options, datapath.rounding).unwrap();
+    (sizing, vectors.unwrap())
+}
+
+/// A word of so many bits in two's complement.
+fn signed(word: u64, bits: u32) -> i64 {
+    word.cast_signed() << (64 - bits) >> (64 - bits)
+}
+
+/// Whoever reads the registers' words as numbers of their formats has the run: each is within its proven bound and as wide as its
+/// register, t is the phase to the bits of its register, and the chords between setpoints are as long as the planned lengths say.
+#[test]
+fn the_words_of_registers_are_those_of_their_types() {
+    let (sizing, Vectors { about, periods, signals }) = with_registers();
+    let mixed = sizing.mixed.unwrap();
+    let widths: std::collections::BTreeSet<u32> = about.registers.iter().map(|one| one.bits).collect();
+    assert!(widths.len() > 2, "registers differ: {widths:?}");
+    let register = |name: &str| mixed.signals.iter().find(|one| one.signal == name).unwrap();
+    let fraction = |name: &str| match FormatName::named(&register(name).format) {
+        Some(FormatName::Fixed { fraction_bits, .. }) => fraction_bits,
+        _ => panic!("{name} has no register"),
+    };
+    let mut parameters = vec![None; about.periods];
+    let mut seen = std::collections::BTreeSet::new();
+    for row in rows(&signals.csv) {
+        let [period, signal] = ["period", "signal"].map(|column| row(column).parse::<usize>().unwrap());
+        let (name, digits) = (about.signals[signal], row("word"));
+        let found = register(name);
+        assert_eq!(digits.len(), found.bits.div_ceil(4) as usize, "{name}");
+        let word = u64::from_str_radix(&digits, 16).unwrap();
+        let value = (signed(word, found.bits) as f64).ldexp(-fraction(name).cast_signed());
+        assert!(value.abs() <= found.bound * (1.0 + 1e-9), "{name}: {value} of {}", found.bound);
+        if name == "parameter" {
+            parameters[period] = Some(word);
+        }
+        seen.insert(name);
+    }
+    assert!(seen.contains("weight") && seen.contains("step_per_chord"), "{seen:?}");
+    for (parameter, row) in parameters.into_iter().zip(rows(&periods.csv)).take(about.periods - 1) {
+        let phase = u64::from_str_radix(&row("phase"), 16).unwrap();
+        // At the end of a piece t is 1, and the phase that of the next piece's begin.
+        let one = 1 << fraction("parameter");
+        let (found, expected) = (parameter.unwrap() % one, phase >> (64 - fraction("parameter")));
+        let off = found.abs_diff(expected);
+        assert!(off.min(one - off) <= 1, "period {}: {found} for {expected}", row("period"));
+    }
+    let fractions = [fraction("chord_length"), fraction("offset")];
+    chords_are_as_long_as_planned(&about, &periods.csv, fractions, mixed.fluctuation);
+}
+
+/// The distance between neighbouring setpoints of a section is the length of the period, but for a fluctuation, where steps are long.
+fn chords_are_as_long_as_planned(
+    about: &format_compare::VectorsAbout,
+    csv: &str,
+    [of_length, of_offset]: [u32; 2],
+    fluctuation: f64,
+) {
+    let unit = 1.0.ldexp(about.position_exponent);
+    let mut before: Option<([f64; 2], String)> = None;
+    let mut judged = 0;
+    for row in rows(csv) {
+        let point = ["position_x", "position_y"]
+            .map(|axis| u64::from_str_radix(&row(axis), 16).unwrap().cast_signed() as f64 * unit);
+        let word = u64::from_str_radix(&row("length"), 16).unwrap();
+        let length = (word as f64).ldexp(-of_length.cast_signed() - about.chord_exponent);
+        if let Some(([x, y], section)) = &before
+            && *section == row("section")
+            && length > 0.04
+        {
+            let chord = (point[0] - x).hypot(point[1] - y);
+            // The planned length and both setpoints were rounded to their registers.
+            let of_setpoints = 1.0.ldexp(about.coordinate_exponent - of_offset.cast_signed());
+            let rounding = 1.0.ldexp(-of_length.cast_signed() - about.chord_exponent) + 2.0 * of_setpoints;
+            let (off, allowed) = ((chord - length).abs(), fluctuation * length + rounding);
+            assert!(off < allowed, "{}: {chord} for {length}, {allowed} allowed", row("period"));
+            judged += 1;
+        }
+        before = Some((point, row("section")));
+    }
+    assert!(judged > 300, "{judged}");
 }
