@@ -92,12 +92,18 @@ fn demand_that_it_fits(run: &mut JudgedRun, targets: &[Target]) {
 /// The cheapest good run on each target.
 fn recommend(comparison: &mut Comparison, targets: &[Target]) {
     for target in targets {
+        // Times are compared where all are known. A clock that is known for some formats alone compares cycles.
+        let cost_of = |run: &JudgedRun| match run.cycles.get(&target.name) {
+            Some(Cost::Known(cost)) => Some(cost.microseconds_max),
+            _ => None,
+        };
+        let are_timed = comparison.formats.iter().filter_map(cost_of).all(|time| time.is_some());
         let price = |run: &JudgedRun| match run.cycles.get(&target.name) {
             // The cost of an FPGA is its blocks first, and then its LUTs; that of a processor its time.
             Some(Cost::Known(cost)) if cost.fits() != Some(false) => Some([
                 f64::from(cost.dsp_blocks.unwrap_or(0)),
                 f64::from(cost.luts.unwrap_or(0)),
-                cost.microseconds_max.unwrap_or(cost.max),
+                cost.microseconds_max.filter(|_| are_timed).unwrap_or(cost.max),
             ]),
             _ => None,
         };
