@@ -1,10 +1,9 @@
 //! The requirements that a good run keeps, each with the figure found, its place, and the largest value allowed.
 
 use feed_plan::Lead;
+use limit_judge::{LimitFinding, StepPlace, Worst};
 use serde::Serialize;
 
-use crate::judge::differences::LimitFinding;
-use crate::judge::worst::{StepPlace, Worst};
 use crate::problem::problem::Problem;
 use crate::run::run::AboutRun;
 

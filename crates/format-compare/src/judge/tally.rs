@@ -1,10 +1,9 @@
 //! The figures of a run, added up while it is made: the memory does not grow with the time that the run takes.
 
-use crate::judge::differences::{Corner, Differences, Setpoint, Way};
+use limit_judge::{Corner, Differences, Setpoint, StatedLimit, StepPlace, Way, Worst};
+
 use crate::judge::metrics::{ChordTally, CountTally, Fluctuation, FluctuationTally, JudgedStep};
 use crate::judge::reference::{Reached, Reference};
-use crate::judge::stated_limits::StatedLimit;
-use crate::judge::worst::{StepPlace, Worst};
 use crate::run::run::RunStep;
 
 /// The figures of a run, or of a part of one.

@@ -19,9 +19,8 @@
 
 use std::collections::VecDeque;
 
-use crate::judge::stated_limits::{Of, StatedLimit};
-use crate::judge::worst::{StepPlace, Worst};
-use crate::run::at_cruise::is_less;
+use crate::stated_limit::{Of, StatedLimit};
+use crate::worst::{StepPlace, Worst, is_less};
 
 /// The number of windows, which are 1, 2, 4, … periods wide.
 const WINDOWS: usize = 9;
@@ -32,11 +31,11 @@ const SPAN: usize = 3 * WIDEST + 1;
 
 /// A way along the path, in mm.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Way {
+pub struct Way {
     /// Its arc length.
-    pub(crate) arc_mm: f64,
+    pub arc_mm: f64,
     /// The sum of its chords.
-    pub(crate) chords_mm: f64,
+    pub chords_mm: f64,
 }
 
 impl Way {
@@ -54,26 +53,28 @@ fn places([x, y, z]: [f64; 3], way: Way) -> Places {
 
 /// A setpoint, and what the step to it may do.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Setpoint {
-    pub(crate) at: StepPlace,
+pub struct Setpoint {
+    /// Where it is.
+    pub at: StepPlace,
     /// The way from the begin of the section, or of the part if that came later, in mm.
-    pub(crate) way: Way,
+    pub way: Way,
     /// The longest step that the blocks passed in it command, in mm.
-    pub(crate) feed_mm: f64,
+    pub feed_mm: f64,
     /// Whether the step passes a corner of the path, or begins at one.
-    pub(crate) passes_corner: bool,
+    pub passes_corner: bool,
     /// That corner, once it is known.
-    pub(crate) corner: Option<Corner>,
-    pub(crate) ends_at_rest: bool,
+    pub corner: Option<Corner>,
+    /// Whether the axes stand there.
+    pub ends_at_rest: bool,
 }
 
 /// A corner that a step passes or begins at.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Corner {
+pub struct Corner {
     /// By how much each component of the unit tangent changes.
-    pub(crate) turn: [f64; 3],
+    pub turn: [f64; 3],
     /// The arc length of the step, in mm.
-    pub(crate) step_mm: f64,
+    pub step_mm: f64,
 }
 
 /// A difference, and the largest that its limit allows.
@@ -117,7 +118,7 @@ impl Judged {
 
 /// The differences of the setpoints of a run, of which steps are added, or parts are joined. A part holds whole sections.
 #[derive(Clone, Debug)]
-pub(crate) struct Differences {
+pub struct Differences {
     limits: Vec<Judged>,
     /// Where the axes stand before the section, and the way there; `None` where that is not known, or they move.
     standing: Option<Places>,
@@ -135,7 +136,8 @@ pub(crate) struct Differences {
 
 impl Differences {
     /// Of a run under these limits that begins at rest at a place, or in motion.
-    pub(crate) fn new(limits: &[StatedLimit]) -> Self {
+    #[must_use]
+    pub fn new(limits: &[StatedLimit]) -> Self {
         Self {
             limits: limits
                 .iter()
@@ -165,7 +167,7 @@ impl Differences {
     }
 
     /// Begins a part with its first setpoint. Where its step begins is told when the part is [joined](Self::join) to the parts before.
-    pub(crate) fn begin_part(&mut self, first: Setpoint) {
+    pub fn begin_part(&mut self, first: Setpoint) {
         self.is_head = !first.ends_at_rest;
         if self.is_head {
             self.section.push_back(first);
@@ -173,7 +175,8 @@ impl Differences {
     }
 
     /// Whether the next setpoint begins a section, so that the place is wanted at which its step begins.
-    pub(crate) fn begins_section(&self) -> bool {
+    #[must_use]
+    pub fn begins_section(&self) -> bool {
         self.section.is_empty() && self.waiting.is_none()
     }
 
@@ -184,7 +187,7 @@ impl Differences {
 
     /// Adds a setpoint behind the first of a part, one step further; `standing_mm` is the place at which its step begins, if it
     /// [begins a section](Self::begins_section).
-    pub(crate) fn add(&mut self, standing_mm: Option<[f64; 3]>, step: Way, next: Setpoint) {
+    pub fn add(&mut self, standing_mm: Option<[f64; 3]>, step: Way, next: Setpoint) {
         let next = Setpoint { way: self.way().plus(step), ..next };
         if self.is_head && self.head.len() < SPAN {
             self.head.push(next);
@@ -196,7 +199,7 @@ impl Differences {
 
     /// Adds the part of the run that follows. Its first setpoint is one step behind the place at which the axes stand, `None` if that is not
     /// known.
-    pub(crate) fn join(
+    pub fn join(
         &mut self,
         standing_mm: Option<[f64; 3]>,
         step: Way,
@@ -322,7 +325,8 @@ impl Differences {
 
     /// What is taken of the limits, seen within `r_mm`, and across the path within `r_mm + corner_mm` where a window holds a corner.
     /// Such windows are left out where `corner_mm` is `None`.
-    pub(crate) fn findings(&self, r_mm: f64, corner_mm: Option<f64>) -> Vec<LimitFinding> {
+    #[must_use]
+    pub fn findings(&self, r_mm: f64, corner_mm: Option<f64>) -> Vec<LimitFinding> {
         let across = [Some(r_mm), corner_mm.map(|corner| r_mm + corner)];
         let along = [Some(r_mm); 2];
         let of = |judged: &Judged| {
@@ -384,14 +388,15 @@ fn power(base: usize, order: usize) -> f64 {
 
 /// What is taken of a limit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LimitFinding {
-    pub(crate) limit: StatedLimit,
+pub struct LimitFinding {
+    /// The limit.
+    pub limit: StatedLimit,
     /// The largest difference over a period, as a share, where that is at most 1; else the largest excess.
-    pub(crate) taken: Worst,
+    pub taken: Worst,
     /// How far a motion may be from setpoints that take more than the limit, where it keeps that, in mm.
-    pub(crate) seen_within_mm: Option<f64>,
+    pub seen_within_mm: Option<f64>,
     /// The periods of the window in which it shows.
-    pub(crate) periods: usize,
+    pub periods: usize,
 }
 
 #[cfg(test)]
