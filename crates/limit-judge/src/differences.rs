@@ -12,8 +12,10 @@
 //! at around such differences alone.
 //!
 //! The places are those of each axis; along the path, the arc length at each setpoint; and for the total acceleration, the differences of
-//! all axes make a vector. The feed is that of the chords, as an interpolator makes steps of a commanded feed; where its limit changes
-//! within a window, the largest counts.
+//! all axes make a vector. The feed is that of the chords, as an interpolator makes steps of a commanded feed, or that of the straight way
+//! over a window, which no path is shorter than; where its limit changes within a window, the largest counts.
+//!
+//! What exceeds a limit by `|Δ| - M (wT)ᵏ` shows as broken wherever r is less than 2⁻ᵏ times that: this is the resolution that would decide.
 //!
 //! A window lies within one section. Where a section begins at rest, the tool stands before it, and where it ends at rest, behind it.
 
@@ -230,6 +232,15 @@ impl Differences {
         }
     }
 
+    /// Ends a section in motion, with the last setpoint: what follows was not seen, and another section begins behind it.
+    pub fn break_off(&mut self) {
+        if let Some(last) = self.waiting.take() {
+            self.look(last);
+        }
+        self.section.clear();
+        (self.standing, self.open) = (None, 0);
+    }
+
     /// Looks at a setpoint as soon as another follows or it ends at rest.
     fn pass(&mut self, next: Setpoint) {
         if let Some(waited) = self.waiting.replace(next) {
@@ -302,7 +313,7 @@ impl Differences {
             let begin = count.saturating_sub((limit.order + 1) * width);
             let passed = || self.section.range(begin..);
             let most_mm = match (limit.of, limit.order) {
-                (Of::Path, 0) => {
+                (Of::Path | Of::Vector, 0) => {
                     let feed = passed().map(|setpoint| setpoint.feed_mm).fold(0.0, f64::max);
                     limit.most * feed * width as f64
                 }
@@ -335,10 +346,12 @@ impl Differences {
             let counted = judged.raw.iter().zip(within).filter(|(_, within)| within.is_some());
             let raw = counted.map(|(raw, _)| *raw).fold(Worst::default(), greater);
             let (mut excess, mut periods, mut seen_within_mm) = (Worst::default(), 1, r_mm);
+            let mut decided_below_mm = 0.0_f64;
             for (window, both) in judged.windows.iter().enumerate() {
                 for (taken, within) in both.iter().zip(within) {
                     let (Some(_), Some(within)) = (taken.over.at, within) else { continue };
                     let seen = taken.share(power(2, limit.order) * within);
+                    decided_below_mm = decided_below_mm.max(taken.over.figure / power(2, limit.order));
                     if is_less(excess.figure, seen.figure) {
                         (excess, periods, seen_within_mm) = (seen, 1_usize << window, within);
                     }
@@ -347,7 +360,8 @@ impl Differences {
             let is_kept = raw.figure <= 1.0;
             let (taken, periods) = if is_kept { (raw, 1) } else { (excess, periods) };
             let is_hidden = !is_kept && taken.figure <= 1.0;
-            LimitFinding { limit, taken, periods, seen_within_mm: is_hidden.then_some(seen_within_mm) }
+            let seen_within_mm = is_hidden.then_some(seen_within_mm);
+            LimitFinding { limit, raw, taken, periods, seen_within_mm, decided_below_mm }
         };
         self.limits.iter().map(of).collect()
     }
@@ -391,12 +405,16 @@ fn power(base: usize, order: usize) -> f64 {
 pub struct LimitFinding {
     /// The limit.
     pub limit: StatedLimit,
+    /// The largest difference over a period, as a share.
+    pub raw: Worst,
     /// The largest difference over a period, as a share, where that is at most 1; else the largest excess.
     pub taken: Worst,
     /// How far a motion may be from setpoints that take more than the limit, where it keeps that, in mm.
     pub seen_within_mm: Option<f64>,
     /// The periods of the window in which it shows.
     pub periods: usize,
+    /// Seen within less than this, in mm, some difference shows that the limit is broken; 0 if none exceeds it.
+    pub decided_below_mm: f64,
 }
 
 #[cfg(test)]
@@ -419,7 +437,7 @@ mod tests {
     }
 
     fn setpoint(index: u64, x: f64, passes_corner: bool, ends_at_rest: bool) -> Setpoint {
-        let at = StepPlace { index, curve: 0, point_mm: [x, 0.0, 0.0] };
+        let at = StepPlace { index, row: 0, curve: 0, point_mm: [x, 0.0, 0.0] };
         Setpoint {
             at,
             way: Way::default(),
@@ -607,8 +625,8 @@ mod tests {
             all.begin_part(setpoint(0, 0.0, false, true));
             for index in 1..=50_u32 {
                 let (sin, cos) = (f64::from(index) * step / radius).sin_cos();
-                let at =
-                    StepPlace { index: index.into(), curve: 0, point_mm: [radius * cos, radius * sin, 0.0] };
+                let point_mm = [radius * cos, radius * sin, 0.0];
+                let at = StepPlace { index: index.into(), row: 0, curve: 0, point_mm };
                 let next = Setpoint { at, passes_corner: corner, ..setpoint(0, 0.0, false, false) };
                 all.add(None, of_length(step), next);
             }
@@ -617,6 +635,28 @@ mod tests {
             assert_eq!(found.limit.what(), "total acceleration");
             assert!(if corner { share == 0.0 } else { (share - 2.0).abs() < 1e-3 }, "{share}");
         }
+    }
+
+    /// Behind a break nothing is judged over it; what ends in motion is judged to its last setpoint.
+    #[test]
+    fn a_section_that_breaks_off_is_judged_to_its_end() {
+        let mut all = of_x([Some(1.0), Some(0.5), None]);
+        let add = |all: &mut Differences, index: u64, x: f64| {
+            all.add(None, Way::default(), setpoint(index, x, false, false));
+        };
+        [0.0, 0.2, 0.4].into_iter().zip(0..).for_each(|(x, index)| add(&mut all, index, x));
+        all.break_off();
+        [9.0, 9.2, 10.1].into_iter().zip(3..).for_each(|(x, index)| add(&mut all, index, x));
+        all.break_off();
+        let found = all.findings(0.0, Some(0.0));
+        let near = |one: &LimitFinding, figure: f64| (one.taken.figure - figure).abs() < 1e-12;
+        assert!(near(&found[0], 0.9) && near(&found[1], 1.4), "{found:?}");
+        // Within r it may keep 0.7 - 4 r <= 0.5.
+        let hidden = &all.findings(0.06, Some(0.0))[1];
+        assert!(
+            hidden.seen_within_mm.is_some() && (hidden.decided_below_mm - 0.05).abs() < 1e-12,
+            "{hidden:?}"
+        );
     }
 
     #[test]

@@ -15,7 +15,7 @@
 //! let limit = StatedLimit { of: Of::Axis(0), order: 1, most: 0.01 };
 //! let mut differences = Differences::new(&[limit]);
 //! for (index, x) in [0.0, 0.0, 0.02, 0.04, 0.06, 0.06].into_iter().enumerate() {
-//!     let at = StepPlace { index: index as u64, curve: 0, point_mm: [x, 0.0, 0.0] };
+//!     let at = StepPlace { index: index as u64, row: 0, curve: 0, point_mm: [x, 0.0, 0.0] };
 //!     let next = Setpoint {
 //!         at,
 //!         way: Way::default(),

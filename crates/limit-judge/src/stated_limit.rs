@@ -35,10 +35,11 @@ impl StatedLimit {
         ];
         const JUMPS: [&str; 3] = ["velocity jump of X", "velocity jump of Y", "velocity jump of Z"];
         const OF_PATH: [&str; 3] = ["feed", "acceleration along the path", "jerk along the path"];
+        const OF_VECTOR: [&str; 3] = ["feed", "total acceleration", "total jerk"];
         match self.of {
             Of::Axis(axis) => OF_AXES[axis][self.order],
             Of::Path => OF_PATH[self.order],
-            Of::Vector => "total acceleration",
+            Of::Vector => OF_VECTOR[self.order],
             Of::Jump(axis) => JUMPS[axis],
         }
     }

@@ -5,6 +5,8 @@
 pub struct StepPlace {
     /// Number of the step, from 0.
     pub index: u64,
+    /// Its row in a log, from 1; 0 in a run that is no log.
+    pub row: u64,
     /// The curve on which it ends, or the line of the program.
     pub curve: usize,
     /// The commanded point, in mm.
@@ -52,7 +54,7 @@ mod tests {
         let worst = |figures: &[f64]| {
             let mut found = Worst::default();
             for (index, figure) in (0..).zip(figures) {
-                found.add(*figure, StepPlace { index, curve: 0, point_mm: [0.0; 3] });
+                found.add(*figure, StepPlace { index, row: 0, curve: 0, point_mm: [0.0; 3] });
             }
             (found.figure, found.at.map(|at| at.index))
         };
