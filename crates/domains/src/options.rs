@@ -130,8 +130,14 @@ pub const RESOLUTION: Key =
     Key::number("--resolution", LENGTH, "how far the motion may be from the positions of a log")
         .optional("half of a unit of their last decimal");
 
+/// Of a log around a part.
+pub const LOG_TOLERANCE: Key =
+    Key::number("judge --tolerance", LENGTH, "largest distance between a log and the path of its part")
+        .optional("not judged");
+
 /// The options.
-pub const KEYS: [Key; 35] = [
+pub const KEYS: [Key; 36] = [
+    LOG_TOLERANCE,
     LOG_PERIOD,
     RESOLUTION,
     START,

@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use clap_complete::ArgValueCompleter;
-use domains::options::{LOG_PERIOD, RESOLUTION};
-use part_program::StatedLimits;
+use clap_complete::{ArgValueCandidates, ArgValueCompleter};
+use domains::options::{LOG_PERIOD, LOG_TOLERANCE, RESOLUTION};
+use part_program::{Dialect, Part, ReadOptions, StatedLimits, Unit};
 use serde::Serialize;
-use setpoint_log::{ColumnMap, Judgement, LengthUnit, LogOptions};
+use setpoint_log::{ColumnMap, Followed, Judgement, LengthUnit, Log, LogOptions};
 
 use crate::ending::Ending;
 use crate::numbers::number;
 use crate::progress::Progress;
-use crate::{candidates, claims, files, output, presets};
+use crate::{candidates, claims, files, input, output, presets};
 
 /// Options of `judge`.
 #[derive(Args)]
@@ -44,6 +44,22 @@ pub(crate) struct Arguments {
     /// The axes stand before the first row and behind the last. Default: where the log shows it.
     #[arg(long)]
     from_rest: bool,
+    /// The part that was run: the log is followed along its path, and the feed that it commands is judged. It is read as every part is;
+    /// where a program begins is where the log does.
+    #[arg(long, value_name = "FILE")]
+    part: Option<PathBuf>,
+    /// Largest distance between the log and the path of moves at feed, both ways, in mm. Default: it is told, and not judged.
+    #[arg(long, value_name = "MM", requires = "part", value_parser = number(&LOG_TOLERANCE))]
+    tolerance: Option<f64>,
+    /// The control that the part is for: fanuc, linuxcnc or siemens; canon is what LinuxCNC's rs274 prints. Default: told by its text.
+    #[arg(long, value_name = "CONTROL", requires = "part", add = ArgValueCandidates::new(candidates::dialects))]
+    dialect: Option<Dialect>,
+    /// Read over unknown words of the part, with a warning each.
+    #[arg(long, requires = "part")]
+    lenient: bool,
+    /// The unit of the part's lengths until a word names one: mm or inch.
+    #[arg(long, value_name = "UNIT", requires = "part")]
+    part_units: Option<Unit>,
     #[command(flatten)]
     output: output::Output,
 }
@@ -74,7 +90,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         resolution_mm: arguments.resolution,
         from_rest_to_rest: arguments.from_rest,
     };
-    let judgement = setpoint_log::judge(log, &machine, &options).with_context(|| name.clone())?;
+    let log = Log::begin(log, &machine, &options).with_context(|| name.clone())?;
+    let part = arguments.part_from(log.first_point_mm())?;
+    let followed = part.as_ref().map(|part| Followed { part, tolerance_mm: arguments.tolerance });
+    let judgement = log.judge(followed).with_context(|| name.clone())?;
     progress.finish();
     let faults = judgement.faults();
     let text = if arguments.output.json {
@@ -92,6 +111,23 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     };
     output::write(&place, &text)?;
     Ok(if faults.is_empty() { Ending::Good } else { Ending::RequirementNotMet })
+}
+
+impl Arguments {
+    /// The part, if one is named, which begins where the log does.
+    fn part_from(&self, start_mm: [f64; 3]) -> Result<Option<Part>> {
+        let Some(path) = &self.part else { return Ok(None) };
+        let bytes = files::bytes("--part", path, files::MOST_OF_PART)?;
+        let options = ReadOptions {
+            dialect: self.dialect,
+            lenient: self.lenient,
+            start_mm: Some(start_mm),
+            unit: self.part_units,
+        };
+        let part = part_program::read_part_bytes(&path.display().to_string(), &bytes, options)?;
+        input::say_warnings(&part);
+        Ok(Some(part))
+    }
 }
 
 /// The log, and what a person calls it.

@@ -1,10 +1,11 @@
-//! Judges a log from the command line, and says how long that took: `judge_log MACHINE.toml LOG [COLUMNS [PERIOD_MS]]`.
+//! Judges a log from the command line, and says how long that took: `judge_log MACHINE.toml LOG [COLUMNS [PERIOD_MS [PART]]]`.
 
 use std::error::Error;
 use std::fs::{File, read_to_string};
 use std::time::Instant;
 
-use setpoint_log::{LogOptions, judge};
+use part_program::ReadOptions;
+use setpoint_log::{Followed, Log, LogOptions};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -16,14 +17,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..LogOptions::default()
     };
     let begin = Instant::now();
-    let found = judge(File::open(log)?, &machine, &options)?;
+    let log = Log::begin(File::open(log)?, &machine, &options)?;
+    let text = rest.get(2).map(read_to_string).transpose()?;
+    let reading = ReadOptions { start_mm: Some(log.first_point_mm()), ..ReadOptions::default() };
+    let part = text.map(|text| part_program::read_part_with("part", &text, reading)).transpose()?;
+    let found = log.judge(part.as_ref().map(|part| Followed { part, tolerance_mm: None }))?;
     for limit in &found.limits {
-        println!(
-            "{:?} {} {:?} raw {:.4} taken {:.4} {:?}",
-            limit.axis, limit.what, limit.verdict, limit.raw, limit.taken, limit.at
-        );
+        let [axis, what] = [limit.axis.unwrap_or_default(), limit.what];
+        println!("{axis} {what} {:?} {:.4} {:.4} {:?}", limit.verdict, limit.raw, limit.taken, limit.at);
     }
-    println!("missing {:?} twice {:?} rest {:?}", found.missing, found.doubled, found.at_rest);
+    println!(
+        "missing {:?} twice {:?} at rest {:?} {:#?}",
+        found.missing, found.doubled, found.at_rest, found.part
+    );
     println!("{:?} in {:?} for {} rows", found.faults(), begin.elapsed(), found.rows);
     Ok(())
 }

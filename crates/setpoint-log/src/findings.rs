@@ -3,6 +3,8 @@
 use limit_judge::StepPlace;
 use serde::Serialize;
 
+use crate::part_findings::PartFindings;
+
 /// A log as it was judged.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judgement {
@@ -28,6 +30,9 @@ pub struct Judgement {
     pub standstills: Standstills,
     /// Places at which the log leaves rapid moves out.
     pub left_out: u64,
+    /// How the log follows a part, where one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<PartFindings>,
 }
 
 impl Judgement {
@@ -45,6 +50,7 @@ impl Judgement {
                 });
             }
         }
+        faults.extend(self.part.iter().flat_map(PartFindings::faults));
         faults
     }
 }

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::io::Read;
 
 use limit_judge::{Differences, LimitFinding, Of, Setpoint, StepPlace, Way};
-use part_program::{Junction, StatedLimits};
+use part_program::{Junction, Part, StatedLimits};
 
 use crate::columns::ColumnMap;
 use crate::csv_log::CsvLog;
@@ -12,6 +12,8 @@ use crate::findings::{Faults, JudgedLimit, Judgement, LimitVerdict, LogPlace, St
 use crate::log_error::LogError;
 use crate::machine_limits::{LogLimit, clock_limits, limits_of};
 use crate::motan_log::MotanLog;
+use crate::part_follower::PartFollower;
+use crate::part_path::{PartPath, distance};
 use crate::period::{Clock, Event, Setpoint as Timed};
 use crate::row::{Row, Rows};
 use crate::text::begun;
@@ -41,63 +43,124 @@ const FIRST_ROWS: usize = 256;
 /// A standstill of fewer periods is none that a person would see.
 const LEAST_STAND: u64 = 10;
 
+/// A part that a log is to follow.
+#[derive(Clone, Copy, Debug)]
+pub struct Followed<'a> {
+    /// The part.
+    pub part: &'a Part,
+    /// The largest distance between the log and its path that is allowed, in mm, if one is.
+    pub tolerance_mm: Option<f64>,
+}
+
+/// A log that is being read, with its first rows.
+pub struct Log<'a> {
+    rows: Box<dyn Rows + 'a>,
+    first: VecDeque<Row>,
+    period_s: f64,
+    marks_corners: bool,
+    other_axes: usize,
+    machine: StatedLimits,
+    options: LogOptions,
+}
+
+impl<'a> Log<'a> {
+    /// Begins to read a log, which is to be judged by the limits of a machine.
+    ///
+    /// # Errors
+    /// [`LogError`] with the place of the first fault in the begin of the log's text.
+    pub fn begin(
+        source: impl Read + 'a,
+        machine: &StatedLimits,
+        options: &LogOptions,
+    ) -> Result<Self, LogError> {
+        let text = begun(source)?;
+        let stated_s = options.period_s.or(machine.interpolation_period_ms.map(|period| 1e-3 * period));
+        let marks_corners = MotanLog::begins(&text.head);
+        let (mut rows, other_axes): (Box<dyn Rows + 'a>, usize) = if marks_corners {
+            let period_s = stated_s.ok_or_else(|| {
+                let expected = "--period with the time between two";
+                LogError::whole("a log of moves has no setpoints of its own", expected)
+            })?;
+            (Box::new(MotanLog::new(text, period_s)), 0)
+        } else {
+            let log = CsvLog::new(text, options.columns.as_ref(), options.unit)?;
+            let other_axes = log.columns.other_axes;
+            (Box::new(log), other_axes)
+        };
+        let mut first = VecDeque::new();
+        while first.len() < FIRST_ROWS {
+            let Some(row) = rows.next_row()? else { break };
+            first.push_back(row);
+        }
+        if first.len() < 2 {
+            let message = format!("setpoints in the log: {}", first.len());
+            return Err(LogError::whole(message, "a row for each of two or more"));
+        }
+        let period_s = period_of(&first, rows.time_resolution_s(), machine, options)?;
+        let (machine, options) = (*machine, options.clone());
+        Ok(Self { rows, first, period_s, marks_corners, other_axes, machine, options })
+    }
+
+    /// Where the axes are in the first row, in mm.
+    #[must_use]
+    pub fn first_point_mm(&self) -> [f64; 3] {
+        self.first.front().map_or([0.0; 3], |row| row.point_mm)
+    }
+
+    /// Judges the log by the limits of its machine, and by how it follows a part.
+    ///
+    /// # Errors
+    /// [`LogError`] with the place of the first fault in the log's text; or a curve of the part that is not valid.
+    pub fn judge(self, followed: Option<Followed<'_>>) -> Result<Judgement, LogError> {
+        let Some(Followed { part, tolerance_mm }) = followed else { return self.judge_with(None, None) };
+        let invalid = |error| LogError::whole(format!("a curve of the part: {error}"), "valid curves");
+        let path = PartPath::new(part, self.machine.feedrate_mm_per_s).map_err(invalid)?;
+        if path.segments.is_empty() {
+            return Err(LogError::whole("the part has no moves", "a part with a path"));
+        }
+        let (first, with) = (self.first_point_mm(), (self.period_s, tolerance_mm));
+        let follower = PartFollower::new(&path, &self.machine, &first, with);
+        let highest = path.moves.iter().filter(|one| !one.is_rapid).filter_map(|one| one.feed_mm_per_s);
+        let highest = highest.reduce(f64::max);
+        self.judge_with(Some(follower), highest)
+    }
+
+    fn judge_with(
+        mut self,
+        follower: Option<PartFollower<'_>>,
+        highest: Option<f64>,
+    ) -> Result<Judgement, LogError> {
+        let feed = if follower.is_some() { highest } else { self.machine.feedrate_mm_per_s };
+        let mut judge = Judge::new((&self.machine, feed), &self.options, self.period_s, self.marks_corners);
+        judge.follower = follower;
+        let mut clock = Clock::new(clock_limits(&self.machine, self.period_s));
+        loop {
+            let next = match self.first.pop_front() {
+                Some(row) => Some(row),
+                None => self.rows.next_row()?,
+            };
+            let r_mm = judge.resolution_mm(self.rows.resolution_mm());
+            let Some(row) = next else {
+                clock.finish(r_mm, &mut |event| judge.take(event, r_mm));
+                let mut judgement = judge.finished(r_mm);
+                if self.other_axes > 0 {
+                    let said = format!("{} more joints: three at a time, by --columns", self.other_axes);
+                    judgement.not_judged.push(said);
+                }
+                return Ok(judgement);
+            };
+            judge.look_at(&row);
+            clock.take(row, (r_mm, self.rows.time_resolution_s()), &mut |event| judge.take(event, r_mm))?;
+        }
+    }
+}
+
 /// Judges a log by the limits of a machine.
 ///
 /// # Errors
 /// [`LogError`] with the place of the first fault in the log's text.
 pub fn judge(source: impl Read, machine: &StatedLimits, options: &LogOptions) -> Result<Judgement, LogError> {
-    let text = begun(source)?;
-    let stated_s = options.period_s.or(machine.interpolation_period_ms.map(|period| 1e-3 * period));
-    if MotanLog::begins(&text.head) {
-        let period_s = stated_s.ok_or_else(|| {
-            LogError::whole(
-                "a log of moves has no setpoints of its own",
-                "--period with the time between two",
-            )
-        })?;
-        return judge_rows(MotanLog::new(text, period_s), machine, options, true);
-    }
-    let log = CsvLog::new(text, options.columns.as_ref(), options.unit)?;
-    let other_axes = log.columns.other_axes;
-    let mut judgement = judge_rows(log, machine, options, false)?;
-    if other_axes > 0 {
-        let axes = if other_axes == 1 { "axis" } else { "axes" };
-        judgement.not_judged.push(format!("{other_axes} more {axes}: three at a time, by --columns"));
-    }
-    Ok(judgement)
-}
-
-fn judge_rows(
-    mut log: impl Rows,
-    machine: &StatedLimits,
-    options: &LogOptions,
-    marks_corners: bool,
-) -> Result<Judgement, LogError> {
-    let mut first = VecDeque::new();
-    while first.len() < FIRST_ROWS {
-        let Some(row) = log.next_row()? else { break };
-        first.push_back(row);
-    }
-    if first.len() < 2 {
-        let message = format!("the log has {} setpoints", first.len());
-        return Err(LogError::whole(message, "a row for each of two or more"));
-    }
-    let period_s = period_of(&first, log.time_resolution_s(), machine, options)?;
-    let mut judge = Judge::new(machine, options, period_s, marks_corners);
-    let mut clock = Clock::new(clock_limits(machine, period_s));
-    loop {
-        let next = match first.pop_front() {
-            Some(row) => Some(row),
-            None => log.next_row()?,
-        };
-        let r_mm = judge.resolution_mm(log.resolution_mm());
-        let Some(row) = next else {
-            clock.finish(r_mm, &mut |event| judge.take(event, r_mm));
-            return Ok(judge.finished(r_mm));
-        };
-        judge.look_at(&row);
-        clock.take(row, (r_mm, log.time_resolution_s()), &mut |event| judge.take(event, r_mm))?;
-    }
+    Log::begin(source, machine, options)?.judge(None)
 }
 
 /// The time between two setpoints: what was asked for; the median of the log's times, or the machine's where that differs by no more than
@@ -134,7 +197,13 @@ fn period_of(
 }
 
 /// Setpoints as they come, and what was found so far.
-struct Judge {
+struct Judge<'p> {
+    follower: Option<PartFollower<'p>>,
+    /// How much of a part's path may have been passed in rows that are missing before the next setpoint, in mm.
+    unseen_mm: f64,
+    /// The last step, in mm.
+    step_mm: f64,
+    last_point: Option<[f64; 3]>,
     limits: Vec<LogLimit>,
     differences: Differences,
     not_judged: Vec<String>,
@@ -164,10 +233,15 @@ struct Judge {
     left_out: u64,
 }
 
-impl Judge {
-    fn new(machine: &StatedLimits, options: &LogOptions, period_s: f64, marks_corners: bool) -> Self {
+impl Judge<'_> {
+    fn new(
+        (machine, feed_mm_per_s): (&StatedLimits, Option<f64>),
+        options: &LogOptions,
+        period_s: f64,
+        marks_corners: bool,
+    ) -> Self {
         let jumps = machine.junction == Junction::VelocityJump;
-        let mut limits = limits_of(machine, period_s, machine.feedrate_mm_per_s);
+        let mut limits = limits_of(machine, period_s, feed_mm_per_s);
         let mut not_judged = not_stated(machine);
         if jumps && !marks_corners {
             limits.retain(|limit| limit.stated.order == 0);
@@ -181,11 +255,15 @@ impl Judge {
             Junction::Stop | Junction::VelocityJump => 0.0,
         };
         Self {
+            follower: None,
+            unseen_mm: 0.0,
+            step_mm: 0.0,
+            last_point: None,
             differences: Differences::new(&stated),
             limits,
             not_judged,
             period_s,
-            feed_mm: machine.feedrate_mm_per_s.map_or(f64::INFINITY, |feed| feed * period_s),
+            feed_mm: feed_mm_per_s.map_or(f64::INFINITY, |feed| feed * period_s),
             given_r_mm: options.resolution_mm,
             from_rest_to_rest: options.from_rest_to_rest,
             rounded_corners_mm,
@@ -226,15 +304,19 @@ impl Judge {
             Event::Lost { row, count } => {
                 let at = self.place_of(&row);
                 self.missing.add(at, count);
-                self.end_section(false);
+                self.end_section(false, r_mm);
+                let way_mm = self.last_point.map_or(0.0, |from| distance(&from, &row.point_mm));
+                self.unseen_mm = 10.0 + 1.5 * way_mm.max(count as f64 * self.step_mm);
             }
-            Event::LeftOut { .. } => {
+            Event::LeftOut { row } => {
                 self.left_out += 1;
-                self.end_section(true);
+                let way_mm = self.last_point.map_or(0.0, |from| distance(&from, &row.point_mm));
+                self.unseen_mm = 10.0 + 3.0 * way_mm;
+                self.end_section(true, r_mm);
             }
             Event::Stood { count, .. } => {
                 let from = self.waiting;
-                self.end_section(true);
+                self.end_section(true, r_mm);
                 self.standing = from.map(|from| from.row.point_mm);
                 if let Some(from) = from {
                     self.stand =
@@ -261,9 +343,9 @@ impl Judge {
     }
 
     /// Ends a section at the setpoint that waits.
-    fn end_section(&mut self, at_rest: bool) {
+    fn end_section(&mut self, at_rest: bool, r_mm: f64) {
         if let Some(last) = self.waiting.take() {
-            self.look(last, at_rest);
+            self.look(last, at_rest, r_mm);
         }
         if !at_rest {
             self.differences.break_off();
@@ -288,7 +370,7 @@ impl Judge {
                 self.standing = Some(before.row.point_mm);
             }
             self.count_stand(before, is_same);
-            self.look(before, false);
+            self.look(before, false, r_mm);
         }
     }
 
@@ -313,11 +395,25 @@ impl Judge {
     }
 
     /// Judges the windows that end with a setpoint.
-    fn look(&mut self, at: Timed, ends_at_rest: bool) {
+    fn look(&mut self, at: Timed, ends_at_rest: bool, r_mm: f64) {
+        let (begin_s, period_s) = (self.begin_s(), self.period_s);
+        let point = at.row.point_mm;
+        let unseen_mm = std::mem::take(&mut self.unseen_mm);
+        if let Some(from) = self.last_point.replace(point) {
+            self.step_mm = distance(&from, &point);
+        }
+        let feed_mm = match &mut self.follower {
+            Some(follower) => follower.follow(
+                &LogPlace::of(&place(&at), begin_s, period_s),
+                unseen_mm,
+                2.0 * r_mm * 3.0_f64.sqrt(),
+            ),
+            None => self.feed_mm,
+        };
         let next = Setpoint {
             at: place(&at),
             way: Way::default(),
-            feed_mm: self.feed_mm,
+            feed_mm,
             passes_corner: self.jumps_at_corners && at.row.passes_corner,
             corner: None,
             ends_at_rest,
@@ -328,7 +424,7 @@ impl Judge {
     /// What was found, at the end of the log.
     fn finished(mut self, r_mm: f64) -> Judgement {
         let ends_at_rest = self.from_rest_to_rest || self.stand.is_some();
-        self.end_section(ends_at_rest);
+        self.end_section(ends_at_rest, r_mm);
         let within_mm = r_mm + self.rounded_corners_mm;
         let corners = if self.jumps_at_corners { None } else { Some(0.0) };
         let by_axis = self.differences.findings(within_mm, corners);
@@ -351,6 +447,7 @@ impl Judge {
             missing: self.missing,
             standstills: self.standstills,
             left_out: self.left_out,
+            part: self.follower.map(|follower| follower.finished(2.0 * r_mm)),
         }
     }
 

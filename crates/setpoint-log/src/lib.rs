@@ -8,8 +8,12 @@
 //! | `row` | what does a log say of a setpoint? | |
 //! | `period` | which period does a row belong to: which are there twice, which are missing? | |
 //! | `machine_limits` | which limits has the machine, per period? | |
-//! | `judge` | are they kept? | [`judge()`], [`LogOptions`] |
+//! | `part_path` | where is the path of a part, exactly and in straight segments? | |
+//! | `in_order`, `nearest` | where on the path is a setpoint, in the order of both, and wherever? | |
+//! | `part_follower` | how far off is it, and how fast may it be there? | |
+//! | `judge` | are they kept? | [`judge()`], [`Log`], [`LogOptions`], [`Followed`] |
 //! | `findings` | what was found? | [`Judgement`], [`JudgedLimit`], [`LimitVerdict`], [`LogPlace`], [`Faults`], [`Standstills`] |
+//! | `part_findings` | how does the log follow a part? | [`PartFindings`], [`Off`], [`SkippedMoves`], [`LineFeed`] |
 //! | `log_error` | why can a log not be judged, and at which place? | [`LogError`] |
 //!
 //! The limits are judged by the one routine of [`limit_judge`].
@@ -31,10 +35,15 @@ mod columns;
 mod csv_log;
 mod decimal;
 mod findings;
+mod in_order;
 mod judge;
 mod log_error;
 mod machine_limits;
 mod motan_log;
+mod nearest;
+mod part_findings;
+mod part_follower;
+mod part_path;
 mod period;
 mod row;
 mod text;
@@ -42,6 +51,7 @@ mod unit;
 
 pub use columns::ColumnMap;
 pub use findings::{Faults, JudgedLimit, Judgement, LimitVerdict, LogPlace, Standstills};
-pub use judge::{LogOptions, judge};
+pub use judge::{Followed, Log, LogOptions, judge};
 pub use log_error::LogError;
+pub use part_findings::{LineFeed, Off, PartFindings, SkippedMoves};
 pub use unit::LengthUnit;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use setpoint_log::{Faults, JudgedLimit, Judgement, LimitVerdict, LogPlace};
+use setpoint_log::{Faults, JudgedLimit, Judgement, LimitVerdict, LogPlace, PartFindings};
 
 use crate::output::counted;
 use crate::screen::{self, duration, labelled, short, table};
@@ -17,6 +17,10 @@ pub(crate) fn text(name: &str, found: &Judgement, faults: &[String]) -> String {
     }
     for (label, faults) in [("twice       ", &found.doubled), ("missing     ", &found.missing)] {
         text += &rows(label, faults);
+    }
+    if let Some(part) = &found.part {
+        text.push('\n');
+        text += &of_part(part);
     }
     if !found.not_judged.is_empty() {
         text.push('\n');
@@ -142,6 +146,44 @@ fn place(at: &LogPlace) -> String {
     let [x, y, z] = at.point_mm;
     let line = at.line.map_or(String::new(), |line| format!(", line {line}"));
     format!("at {:.4} s, row {}{line}, X {x:.4} Y {y:.4} Z {z:.4}", at.time_s, at.row)
+}
+
+/// How the log follows the part.
+fn of_part(part: &PartFindings) -> String {
+    const SHOWN: usize = 5;
+    let moves = counted(part.moves, "move", "moves");
+    let mut text = format!("part        {moves}, {:.3} mm\n", part.length_mm);
+    for (label, off) in [("off path    ", &part.nearest), ("in rapids   ", &part.nearest_rapid)] {
+        if let Some(at) = off.at {
+            let said = format!(
+                "{} mm at most, from the nearest place of it: in line {}, {}",
+                small(off.mm),
+                off.line,
+                place(&at)
+            );
+            text += &labelled(label, &said);
+        }
+    }
+    let said = format!("at most {} mm between log and path, skipped moves and all", small(part.order_mm));
+    text += &labelled("in order    ", &said);
+    let said = format!("{} mm at most of the path of moves at feed from the log", small(part.path_to_log_mm));
+    text += &labelled("off log     ", &said);
+    for one in part.over_feed.iter().take(SHOWN) {
+        let said = format!(
+            "line {}: {} of {} mm/s, {}",
+            one.line,
+            short(one.largest_mm_per_s),
+            short(one.commanded_mm_per_s),
+            place(&one.at)
+        );
+        text += &labelled("feed        ", &said);
+    }
+    text
+}
+
+/// A distance in mm, of three digits at least.
+fn small(mm: f64) -> String {
+    if mm > 0.0 && mm < 1e-3 { format!("{mm:.2e}") } else { format!("{mm:.6}") }
 }
 
 /// Rows that are there twice, or missing.
