@@ -3,9 +3,10 @@
 use std::collections::VecDeque;
 use std::io::Read;
 
-use limit_judge::{Differences, LimitFinding, Of, Setpoint, StepPlace, Way};
+use limit_judge::{Differences, LimitFinding, Of, Setpoint, StatedLimit, StepPlace, Way};
 use part_program::{Junction, Part, StatedLimits};
 
+use crate::along_path::{AlongPath, OfPath};
 use crate::columns::ColumnMap;
 use crate::csv_log::CsvLog;
 use crate::findings::{Faults, JudgedLimit, Judgement, LimitVerdict, LogPlace, Standstills};
@@ -206,6 +207,7 @@ struct Judge<'p> {
     last_point: Option<[f64; 3]>,
     limits: Vec<LogLimit>,
     differences: Differences,
+    along: AlongPath,
     not_judged: Vec<String>,
     period_s: f64,
     feed_mm: f64,
@@ -249,6 +251,7 @@ impl Judge<'_> {
                 "acceleration and jerk: the velocity may jump at corners, and the log does not say where they are".into(),
             );
         }
+        let judges_path = !jumps;
         let stated: Vec<_> = limits.iter().map(|limit| limit.stated).collect();
         let rounded_corners_mm = match machine.junction {
             Junction::DeviationMm(deviation) => deviation,
@@ -260,6 +263,10 @@ impl Judge<'_> {
             step_mm: 0.0,
             last_point: None,
             differences: Differences::new(&stated),
+            along: AlongPath::new(
+                machine.acceleration_mm_per_s2.filter(|_| judges_path).map(|most| most * period_s.powi(2)),
+                machine.jerk_mm_per_s3.filter(|_| judges_path).map(|most| most * period_s.powi(3)),
+            ),
             limits,
             not_judged,
             period_s,
@@ -349,6 +356,7 @@ impl Judge<'_> {
         }
         if !at_rest {
             self.differences.break_off();
+            self.along.end_section(false, r_mm * 3.0_f64.sqrt());
         }
         self.standing = None;
     }
@@ -418,7 +426,13 @@ impl Judge<'_> {
             corner: None,
             ends_at_rest,
         };
-        self.differences.add(self.standing.take(), Way::default(), next);
+        let standing = self.standing.take();
+        let rho_mm = (r_mm + self.rounded_corners_mm) * 3.0_f64.sqrt();
+        self.along.add(next.at, standing.is_some(), rho_mm);
+        if ends_at_rest {
+            self.along.end_section(true, rho_mm);
+        }
+        self.differences.add(standing, Way::default(), next);
     }
 
     /// What was found, at the end of the log.
@@ -435,8 +449,12 @@ impl Judge<'_> {
             Of::Vector => self.judged(limit, vector),
             _ => self.judged(limit, axis),
         });
+        let mut limits: Vec<JudgedLimit> = limits.collect();
+        let own = self.along.limits.iter().map(|found| self.judged_along(found));
+        let behind_feed = limits.iter().take_while(|limit| limit.axis.is_none()).count();
+        limits.splice(behind_feed..behind_feed, own.collect::<Vec<_>>());
         Judgement {
-            limits: limits.collect(),
+            limits,
             rows: self.rows,
             time_s: self.last_period as f64 * self.period_s,
             period_s: self.period_s,
@@ -451,6 +469,25 @@ impl Judge<'_> {
         }
     }
 
+    fn judged_along(&self, found: &OfPath) -> JudgedLimit {
+        let power = i32::try_from(found.order + 1).unwrap_or(0);
+        let value = found.most * self.period_s.powi(-power);
+        let stated = StatedLimit { of: Of::Path, order: found.order, most: found.most };
+        let limit = LogLimit { stated, value };
+        let is_kept = found.raw.figure <= 1.0;
+        self.judged(
+            &limit,
+            &LimitFinding {
+                limit: stated,
+                raw: found.raw,
+                taken: if is_kept { found.raw } else { found.excess },
+                periods: if is_kept { 1 } else { found.periods },
+                seen_within_mm: None,
+                decided_below_mm: 0.0,
+            },
+        )
+    }
+
     fn judged(&self, limit: &LogLimit, found: &LimitFinding) -> JudgedLimit {
         let verdict = match found.taken.figure <= 1.0 + SLACK {
             true if found.raw.figure <= 1.0 + SLACK => LimitVerdict::Kept,
@@ -458,6 +495,8 @@ impl Judge<'_> {
             false => LimitVerdict::Broken,
         };
         let place = if verdict == LimitVerdict::Broken { found.taken.at } else { found.raw.at };
+        // A point that is off by r in each axis is off by √3 r.
+        let spread = if limit.stated.of == Of::Vector { 3.0_f64.sqrt() } else { 1.0 };
         let is_open = verdict == LimitVerdict::KeptWithin;
         JudgedLimit {
             what: limit.stated.what(),
@@ -469,7 +508,8 @@ impl Judge<'_> {
             taken: found.taken.figure,
             periods: found.periods,
             at: place.map(|at| LogPlace::of(&at, self.begin_s(), self.period_s)),
-            decided_below_mm: is_open.then_some(found.decided_below_mm),
+            decided_below_mm: (is_open && found.decided_below_mm > 0.0)
+                .then_some(found.decided_below_mm / spread),
         }
     }
 }

@@ -11,6 +11,7 @@
 //! | `part_path` | where is the path of a part, exactly and in straight segments? | |
 //! | `in_order`, `nearest` | where on the path is a setpoint, in the order of both, and wherever? | |
 //! | `part_follower` | how far off is it, and how fast may it be there? | |
+//! | `along_path` | what is taken of acceleration and jerk along the path? | |
 //! | `judge` | are they kept? | [`judge()`], [`Log`], [`LogOptions`], [`Followed`] |
 //! | `findings` | what was found? | [`Judgement`], [`JudgedLimit`], [`LimitVerdict`], [`LogPlace`], [`Faults`], [`Standstills`] |
 //! | `part_findings` | how does the log follow a part? | [`PartFindings`], [`Off`], [`SkippedMoves`], [`LineFeed`] |
@@ -31,6 +32,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod along_path;
 mod columns;
 mod csv_log;
 mod decimal;
