@@ -33,6 +33,8 @@ pub(crate) struct CsvLog<'a> {
     rows: u64,
     is_behind_loss: bool,
     last_place: Option<i32>,
+    /// The last binary place of any position so far: -16 where all are multiples of 2⁻¹⁶.
+    last_bit: Option<i32>,
     time_place_s: f64,
 }
 
@@ -64,6 +66,7 @@ impl<'a> CsvLog<'a> {
             rows: 0,
             is_behind_loss: false,
             last_place: None,
+            last_bit: None,
             time_place_s: 0.0,
         };
         log.find_columns(map)?;
@@ -157,8 +160,11 @@ impl<'a> CsvLog<'a> {
                 let place = (self.line(), self.column(index));
                 return Err(LogError::at(place.0, place.1, message, COORDINATE.to_string()));
             }
-            self.last_place =
-                Some(self.last_place.map_or(read.last_place, |place| place.min(read.last_place)));
+            let lower = |known: Option<i32>, place: i32| Some(known.map_or(place, |known| known.min(place)));
+            self.last_place = lower(self.last_place, read.last_place);
+            if let Some(bit) = last_bit(read.value) {
+                self.last_bit = lower(self.last_bit, bit);
+            }
         }
         self.set_time(&mut row)?;
         if let Some(index) = self.columns.sample {
@@ -196,6 +202,19 @@ impl<'a> CsvLog<'a> {
     }
 }
 
+/// A grid of binary places is not taken for one of decimals unless it is as fine as this: a quarter has two of both.
+const LEAST_GRID: i32 = -8;
+
+/// The last binary place of a number: -2 of 0.75. None of 0.
+fn last_bit(value: f64) -> Option<i32> {
+    const FRACTION_BITS: i32 = 52;
+    let bits = value.to_bits();
+    let exponent = i32::try_from(bits >> FRACTION_BITS & 0x7ff).ok()? - 1023;
+    let fraction = bits & ((1 << FRACTION_BITS) - 1);
+    let zeros = if fraction == 0 { FRACTION_BITS } else { i32::try_from(fraction.trailing_zeros()).ok()? };
+    (value != 0.0).then_some(exponent - FRACTION_BITS + zeros)
+}
+
 /// The line that a log names, 0 if it names none.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is clamped before")]
 fn line_of(number: f64) -> usize {
@@ -225,7 +244,13 @@ impl Rows for CsvLog<'_> {
     }
 
     fn resolution_mm(&self) -> f64 {
-        0.5 * self.unit_mm * 10.0_f64.powi(self.last_place.unwrap_or(0))
+        let place = self.last_place.unwrap_or(0);
+        // A multiple of 2⁻ᶠ has f decimals: positions in fixed point, each digit of which was written.
+        let unit = match self.last_bit {
+            Some(bit) if bit == place && bit <= LEAST_GRID => 2.0_f64.powi(bit),
+            _ => 10.0_f64.powi(place),
+        };
+        0.5 * self.unit_mm * unit
     }
 
     fn time_resolution_s(&self) -> f64 {
@@ -267,6 +292,17 @@ mod tests {
             let (found, _) = rows(text, None).unwrap();
             assert_eq!((found.len(), found[0].point_mm[0], found[0].time_s), (1, x, Some(0.0)), "{text}");
         }
+    }
+
+    /// Multiples of 2⁻¹⁶, written with all their digits, are within 2⁻¹⁷; decimals are within half of their last.
+    #[test]
+    fn positions_in_fixed_point_are_known_by_their_binary_places() {
+        assert_eq!([0.75, -3.0, 1.0 / 65536.0, 12.0].map(last_bit), [Some(-2), Some(0), Some(-16), Some(2)]);
+        let fixed: String = (0..100).map(|k| format!("{}\n", 3.0 + f64::from(k) / 65536.0)).collect();
+        let (_, r) = rows(&format!("x\n{fixed}"), None).unwrap();
+        assert_eq!(r, 2.0_f64.powi(-17));
+        let (_, r) = rows("x\n0.25\n0.75\n1.25\n", None).unwrap();
+        assert_eq!(r, 0.005);
     }
 
     #[test]

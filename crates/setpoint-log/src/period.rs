@@ -76,7 +76,8 @@ impl Clock {
         };
         let periods = self.periods_between(&last, &row, r_s)?;
         let way = difference(&row.point_mm, &last.point_mm);
-        if row.chord_mm.is_some_and(|chord| length(&way) > chord * (1.0 + 1e-9) + 4.0 * r_mm + 1e-9) {
+        // A chord is that of exact points, and the positions are rounded.
+        if row.chord_mm.is_some_and(|chord| length(&way) > 1.5 * chord + 4.0 * r_mm + 1e-3) {
             self.settle(r_mm, None, hand_on);
             hand_on(Event::LeftOut { row });
             self.pass(row, periods.max(1), hand_on);
