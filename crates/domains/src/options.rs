@@ -123,8 +123,23 @@ pub const START: Key = Key {
     meaning: "where the tool is when a program begins, three numbers",
 };
 
+/// Periods of a log.
+pub const LOG_PERIOD: Key = like("judge --period", PERIOD, "the time between two setpoints of a log");
+/// What a log's positions are rounded by.
+pub const RESOLUTION: Key =
+    Key::number("--resolution", LENGTH, "how far the motion may be from the positions of a log")
+        .optional("half of a unit of their last decimal");
+
+/// Of a log around a part.
+pub const LOG_TOLERANCE: Key =
+    Key::number("judge --tolerance", LENGTH, "largest distance between a log and the path of its part")
+        .optional("not judged");
+
 /// The options.
-pub const KEYS: [Key; 33] = [
+pub const KEYS: [Key; 36] = [
+    LOG_TOLERANCE,
+    LOG_PERIOD,
+    RESOLUTION,
     START,
     PIECE_LENGTH,
     START_FEED,

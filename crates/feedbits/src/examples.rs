@@ -39,6 +39,11 @@ pub(crate) const TARGETS: &str = "Examples:
   feedbits targets --check";
 pub(crate) const CHECK: &str = "Examples:
   feedbits check part.nc --dialect siemens";
+pub(crate) const JUDGE: &str = "Examples:
+  feedbits judge log.csv --machine mill.toml
+  feedbits judge halsampler.txt.gz --machine mill.toml --columns sample=0,x=1,y=2,z=3,line=6 --period 1
+  feedbits judge log.csv --machine mill.toml --part part.nc --tolerance 0.01
+  feedbits judge motan.json.gz --machine printer.toml --json";
 pub(crate) const CONVERT: &str = "Examples:
   feedbits convert part.dxf --to g06.2 --out part.nc
   feedbits convert part.nc --to g1 --tolerance 0.001 --digits 3

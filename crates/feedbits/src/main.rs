@@ -19,6 +19,7 @@ mod frozen;
 mod input;
 mod interpolate;
 mod interrupt;
+mod judge;
 mod machine;
 mod merge;
 mod numbers;
@@ -102,6 +103,9 @@ enum Command {
     /// Say what a part holds, its joints and bends, and what in it is suspicious.
     #[command(after_help = examples::CHECK)]
     Check(check::Arguments),
+    /// Judge what a controller really did, by a log of its setpoints: which limits does it keep, and are rows missing?
+    #[command(after_help = examples::JUDGE)]
+    Judge(judge::Arguments),
     /// Write a part in another dialect, as straight moves within a tolerance, or as a curve file.
     #[command(after_help = examples::CONVERT)]
     Convert(convert::Arguments),
@@ -146,6 +150,7 @@ fn main() -> ExitCode {
         Command::Smooth(arguments) => smooth::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Judge(arguments) => judge::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Machine(arguments) => machine::run(&arguments),
         Command::Formats(arguments) => formats::run(&arguments),

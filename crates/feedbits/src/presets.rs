@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use part_program::Machine;
+use part_program::{Machine, StatedLimits};
 
 use crate::{files, output};
 
@@ -47,19 +47,40 @@ impl Preset {
 /// The machine that `--machine` selects: a preset, or a file. A word without `.`, `/` and `\` is a preset's name if
 /// there is such a preset. So the meaning of a command does not depend on the folder in which it runs.
 pub(crate) fn read(path: &Path) -> Result<Machine> {
+    match selected(path)? {
+        Selected::Preset(preset) => preset.machine(),
+        Selected::File(text) => Ok(part_program::read_machine(&path.display().to_string(), &text)?),
+    }
+}
+
+/// The limits of the machine that `--machine` selects, of which its file may leave some out.
+pub(crate) fn read_limits(path: &Path) -> Result<StatedLimits> {
+    match selected(path)? {
+        Selected::Preset(preset) => Ok(StatedLimits::from(&preset.machine()?)),
+        Selected::File(text) => Ok(part_program::read_limits(&path.display().to_string(), &text)?),
+    }
+}
+
+/// What `--machine` selects.
+enum Selected {
+    Preset(&'static Preset),
+    /// The text of a file.
+    File(String),
+}
+
+fn selected(path: &Path) -> Result<Selected> {
     let word = path.to_str().filter(|word| !word.contains(['.', '/', '\\']));
     if let Some(preset) = word.and_then(named) {
         if path.exists() {
             let name = preset.name;
             output::note(&format!("--machine {name} is the preset; the file here is --machine ./{name}"));
         }
-        return preset.machine();
+        return Ok(Selected::Preset(preset));
     }
     if let Some(word) = word.filter(|_| !path.exists()) {
         bail!("--machine {word}: no such preset and no such file: {}", expected(word));
     }
-    let text = files::text("--machine", path, files::MOST_OF_PART)?;
-    Ok(part_program::read_machine(&path.display().to_string(), &text)?)
+    Ok(Selected::File(files::text("--machine", path, files::MOST_OF_PART)?))
 }
 
 /// The preset of a name.

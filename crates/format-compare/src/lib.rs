@@ -86,7 +86,6 @@ mod cost {
 
 mod judge {
     mod arc;
-    pub(crate) mod differences;
     mod exact_curve;
     pub(crate) mod judged_run;
     pub(crate) mod judgement;
@@ -98,7 +97,6 @@ mod judge {
     pub(crate) mod stated_limits;
     pub(crate) mod tally;
     pub(crate) mod trace;
-    pub(crate) mod worst;
 }
 
 mod size {

@@ -11,7 +11,7 @@
 //! | what LinuxCNC's `rs274 -g` prints of a part program | [`read_part`] | |
 //! | drawing: DXF, as text or binary | [`read_part_bytes`] | |
 //! | JSON as geomdl exports it | [`read_part`] | |
-//! | machine file: TOML, table `[machine]` | [`read_machine`] | |
+//! | machine file: TOML, table `[machine]` | [`read_machine`]; its limits alone, of which some may be missing, [`read_limits`] | |
 //!
 //! The content of a text tells its kind. [`read_part_with`] is given a known dialect, and may skip unknown words;
 //! [`read_part_bytes`] reads the bytes of a file. [`inspect`] finds a part's lengths, bends, joints, and oddities;
@@ -86,7 +86,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use gcode::{KnownWord, WordUse, known_words};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, Joints, TANGENT_BREAK_RAD, is_joined};
-pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
+pub use machine::{Axes, AxisLimits, Junction, Machine, StatedLimits, read_limits, read_machine};
 pub use moves::{Move, MoveKind, Shape};
 pub use options::{Dialect, ReadOptions, Unit};
 pub use part::{Filament, Part};

@@ -141,6 +141,57 @@ pub struct AxisLimits {
 /// # Errors
 /// Every fault of the text, each at its place.
 pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
+    read_table(name, text, from_table)
+}
+
+/// The limits that a machine's file states for motions, of those that it states at all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct StatedLimits {
+    /// T, time between two setpoints, in ms.
+    pub interpolation_period_ms: Option<f64>,
+    /// F, in mm/s.
+    pub feedrate_mm_per_s: Option<f64>,
+    /// A, acceleration along the path, in mm/s².
+    pub acceleration_mm_per_s2: Option<f64>,
+    /// J, jerk along the path, in mm/s³.
+    pub jerk_mm_per_s3: Option<f64>,
+    /// Acceleration across the path, in mm/s².
+    pub centripetal_acceleration_mm_per_s2: Option<f64>,
+    /// How breaks of the tangent are passed.
+    #[serde(flatten)]
+    pub junction: Junction,
+    /// Limits of single axes.
+    pub axes: Axes,
+}
+
+impl From<&Machine> for StatedLimits {
+    fn from(machine: &Machine) -> Self {
+        Self {
+            interpolation_period_ms: Some(machine.interpolation_period_ms),
+            feedrate_mm_per_s: Some(machine.feedrate_mm_per_s),
+            acceleration_mm_per_s2: Some(machine.acceleration_mm_per_s2),
+            jerk_mm_per_s3: Some(machine.jerk_mm_per_s3),
+            centripetal_acceleration_mm_per_s2: machine.centripetal_acceleration_mm_per_s2,
+            junction: machine.junction,
+            axes: machine.axes,
+        }
+    }
+}
+
+/// Reads the limits of a machine file, each of which may be left out: a motion that was made is judged by those that its machine has.
+///
+/// # Errors
+/// Every fault of the text, each at its place.
+pub fn read_limits(name: &str, text: &str) -> Result<StatedLimits, Diagnostics> {
+    read_table(name, text, limits_from_table)
+}
+
+/// Reads the table `[machine]` of a text by a function that returns `None` after it has reported an error.
+fn read_table<T>(
+    name: &str,
+    text: &str,
+    from_table: impl FnOnce(&mut Report<'_>, Span, &DeTable<'_>) -> Option<T>,
+) -> Result<T, Diagnostics> {
     let mut report = opened(name, text)?;
     let rest = LeanToml::of(text).into_rest();
     let machine = toml_table::parse(&mut report, &rest).and_then(|document| {
@@ -161,6 +212,30 @@ pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
         (Err(errors), _) => Err(errors),
         (Ok(_), None) => Err(Diagnostics::default()),
     }
+}
+
+/// Reads the limits of the table `[machine]`. Its other keys are read for their faults.
+fn limits_from_table(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<StatedLimits> {
+    let mut keys = TableReader::new(report, "[machine]", header, table);
+    let mut limits = StatedLimits {
+        interpolation_period_ms: keys.optional_number(&PERIOD),
+        feedrate_mm_per_s: keys.optional_number(&FEEDRATE),
+        acceleration_mm_per_s2: keys.optional_number(&ACCELERATION),
+        jerk_mm_per_s3: keys.optional_number(&JERK),
+        centripetal_acceleration_mm_per_s2: keys.optional_number(&CENTRIPETAL),
+        junction: Junction::Stop,
+        axes: Axes::default(),
+    };
+    for key in [&CHORD_ERROR, &INCREMENT, &FLUCTUATION_LIMIT, &PARAMETER_TOLERANCE] {
+        keys.number(key);
+    }
+    keys.whole_number(&MAX_ITERATIONS);
+    keys.truth_or(S_STOPS.name, true);
+    limits.junction = junction(&mut keys);
+    let axes = keys.table("axes");
+    keys.finish();
+    limits.axes = axes.map_or_else(Axes::default, |(header, table)| axes_from(report, header, table));
+    Some(limits)
 }
 
 /// Reads the table `[machine]`; `None` after an error was reported.
@@ -277,6 +352,18 @@ max_iterations = 5
         assert_eq!(machine.axes.x.velocity_mm_per_s, Some(150.0));
         assert_eq!(machine.axes.y, AxisLimits::default());
         assert_eq!(machine.axes.z.jerk_mm_per_s3, Some(1e5));
+    }
+
+    /// A log's machine states what it states; a word that is wrong is wrong here too.
+    #[test]
+    fn limits_may_be_left_out_and_not_misspelled() {
+        let text = "[machine]\n[machine.axes.x]\nvelocity_mm_per_s = 100\n";
+        let limits = read_limits("m.toml", text).unwrap();
+        assert_eq!((limits.jerk_mm_per_s3, limits.axes.x.velocity_mm_per_s), (None, Some(100.0)));
+        let of_machine = read_machine("m.toml", GOOD).unwrap();
+        assert_eq!(read_limits("m.toml", GOOD).unwrap(), StatedLimits::from(&of_machine));
+        let errors = read_limits("m.toml", "[machine]\njerk_mm_per_s3 = -1\nfeed = 3\n").unwrap_err();
+        assert_eq!(errors.count(), 2, "{errors}");
     }
 
     #[test]

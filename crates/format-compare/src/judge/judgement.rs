@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use limit_judge::StatedLimit;
+
 use crate::judge::reference::{Reached, Reference};
-use crate::judge::stated_limits::StatedLimit;
 use crate::judge::tally::Tally;
 use crate::judge::trace::{Coarseness, Trace, TraceRecorder};
 use crate::refusal::Refusal;

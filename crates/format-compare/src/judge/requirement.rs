@@ -1,10 +1,9 @@
 //! The requirements that a good run keeps, each with the figure found, its place, and the largest value allowed.
 
 use feed_plan::Lead;
+use limit_judge::{LimitFinding, StepPlace, Worst};
 use serde::Serialize;
 
-use crate::judge::differences::LimitFinding;
-use crate::judge::worst::{StepPlace, Worst};
 use crate::problem::problem::Problem;
 use crate::run::run::AboutRun;
 
@@ -204,7 +203,7 @@ pub(crate) fn requirements<const D: usize>(
         all.push(one(what, (found, most, "mm"), None, broken));
     }
     all.extend(found.limits.iter().map(|finding| {
-        let LimitFinding { limit, taken, periods, seen_within_mm } = finding;
+        let LimitFinding { limit, taken, periods, seen_within_mm, .. } = finding;
         let over = if *periods == 1 { "a period".to_string() } else { format!("{periods} periods") };
         let broken = format!("{} {:.3} times its limit, seen over {over}", limit.what(), taken.figure);
         let row = one(limit.what(), (taken.figure, 1.0 + LIMIT_SLACK, "ratio"), taken.at, broken);

@@ -1,51 +1,10 @@
 //! The limits that a machine states for motions, and how closely setpoints show whether they are kept.
 
+use limit_judge::{Of, StatedLimit};
 use part_program::{Junction, Machine};
 
 use crate::problem::problem::Problem;
 use crate::run::run::AboutRun;
-
-/// What a limit holds for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Of {
-    /// An axis, 0 for X.
-    Axis(usize),
-    /// The way along the path.
-    Path,
-    /// All axes together, as a vector.
-    Vector,
-    /// The jump of an axis' velocity at a corner.
-    Jump(usize),
-}
-
-/// A limit of a derivative, in mm and periods.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct StatedLimit {
-    pub(crate) of: Of,
-    /// The derivative less 1: 0 for the velocity, 1 for the acceleration, 2 for the jerk.
-    pub(crate) order: usize,
-    /// The largest value; of the feed along the path, the share of what each step's block commands.
-    pub(crate) most: f64,
-}
-
-impl StatedLimit {
-    /// The limit's name.
-    pub(crate) fn what(&self) -> &'static str {
-        const OF_AXES: [[&str; 3]; 3] = [
-            ["velocity of X", "acceleration of X", "jerk of X"],
-            ["velocity of Y", "acceleration of Y", "jerk of Y"],
-            ["velocity of Z", "acceleration of Z", "jerk of Z"],
-        ];
-        const JUMPS: [&str; 3] = ["velocity jump of X", "velocity jump of Y", "velocity jump of Z"];
-        const OF_PATH: [&str; 3] = ["feed", "acceleration along the path", "jerk along the path"];
-        match self.of {
-            Of::Axis(axis) => OF_AXES[axis][self.order],
-            Of::Path => OF_PATH[self.order],
-            Of::Vector => "total acceleration",
-            Of::Jump(axis) => JUMPS[axis],
-        }
-    }
-}
 
 /// The limits that the machine of a problem states, where the feed may be `share` times what is commanded.
 pub(crate) fn stated_limits<const D: usize>(problem: &Problem<D>, share: f64) -> Vec<StatedLimit> {

@@ -1,10 +1,9 @@
 //! The figures of a run, added up while it is made: the memory does not grow with the time that the run takes.
 
-use crate::judge::differences::{Corner, Differences, Setpoint, Way};
+use limit_judge::{Corner, Differences, Setpoint, StatedLimit, StepPlace, Way, Worst};
+
 use crate::judge::metrics::{ChordTally, CountTally, Fluctuation, FluctuationTally, JudgedStep};
 use crate::judge::reference::{Reached, Reference};
-use crate::judge::stated_limits::StatedLimit;
-use crate::judge::worst::{StepPlace, Worst};
 use crate::run::run::RunStep;
 
 /// The figures of a run, or of a part of one.
@@ -41,7 +40,7 @@ impl Tally {
 
     /// Begins a part of a run, whose first step is judged when the part is joined to those before.
     pub(crate) fn begin_part(&mut self, first: &RunStep) {
-        let at = StepPlace { index: 0, curve: first.curve, point_mm: first.point_mm };
+        let at = StepPlace { index: 0, row: 0, curve: first.curve, point_mm: first.point_mm };
         let ends_at_rest = first.feed_mm_per_s == 0.0;
         // Until it is judged, it is taken for one that passes a corner, and its step may be as long as it likes.
         let (feed_mm, passes_corner) = (f64::INFINITY, true);
@@ -79,7 +78,7 @@ impl Tally {
 
     /// Adds the next step, but for the limits that the machine states.
     fn add(&mut self, step: &RunStep, judged: &JudgedStep) -> Setpoint {
-        let place = StepPlace { index: self.steps, curve: step.curve, point_mm: step.point_mm };
+        let place = StepPlace { index: self.steps, row: 0, curve: step.curve, point_mm: step.point_mm };
         self.steps += 1;
         self.fluctuation.add(judged, place);
         self.evaluations.add(step.evaluations);

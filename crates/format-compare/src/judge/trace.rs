@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use limit_judge::is_less;
 use real::{Audit, Histogram, SignalRange};
 
 use crate::judge::metrics::{JudgedStep, greater};
-use crate::run::at_cruise::is_less;
 use crate::run::run::RunStep;
 
 /// A run with an entry for each period, or for several periods of a long run.

@@ -1,6 +1,8 @@
 //! The greatest figure over the steps at cruise, found in one pass, although only the whole run tells which steps these
 //! are.
 
+use limit_judge::is_less;
+
 /// A step of at least this share of a full step is at cruise.
 const AT_CRUISE: f64 = 0.25;
 
@@ -85,11 +87,6 @@ impl<P: Copy> GreatestAtCruise<P> {
             self.kept.truncate(1);
         }
     }
-}
-
-/// Whether one figure is less than another; NaN is greater than any number.
-pub(crate) fn is_less(one: f64, other: f64) -> bool {
-    !one.is_nan() && (other.is_nan() || one < other)
 }
 
 #[cfg(test)]

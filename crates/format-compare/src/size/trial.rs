@@ -7,6 +7,7 @@ use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use limit_judge::StatedLimit;
 use nurbs_core::CompileError;
 use real::{Datapath, FormatName, RuntimeFixed, RuntimeFormat};
 
@@ -14,7 +15,7 @@ use crate::judge::judged_run::{JudgedRun, requirements_so_far};
 use crate::judge::judgement::{IsEnough, Judge};
 use crate::judge::reference::Reference;
 use crate::judge::requirement::Requirement;
-use crate::judge::stated_limits::{StatedLimit, stated_limits};
+use crate::judge::stated_limits::stated_limits;
 use crate::judge::tally::Tally;
 use crate::refusal::Refusal;
 use crate::run::by_engine;

@@ -12,16 +12,17 @@
 //! at around such differences alone.
 //!
 //! The places are those of each axis; along the path, the arc length at each setpoint; and for the total acceleration, the differences of
-//! all axes make a vector. The feed is that of the chords, as an interpolator makes steps of a commanded feed; where its limit changes
-//! within a window, the largest counts.
+//! all axes make a vector. The feed is that of the chords, as an interpolator makes steps of a commanded feed, or that of the straight way
+//! over a window, which no path is shorter than; where its limit changes within a window, the largest counts.
+//!
+//! What exceeds a limit by `|Δ| - M (wT)ᵏ` shows as broken wherever r is less than 2⁻ᵏ times that: this is the resolution that would decide.
 //!
 //! A window lies within one section. Where a section begins at rest, the tool stands before it, and where it ends at rest, behind it.
 
 use std::collections::VecDeque;
 
-use crate::judge::stated_limits::{Of, StatedLimit};
-use crate::judge::worst::{StepPlace, Worst};
-use crate::run::at_cruise::is_less;
+use crate::stated_limit::{Of, StatedLimit};
+use crate::worst::{StepPlace, Worst, is_less};
 
 /// The number of windows, which are 1, 2, 4, … periods wide.
 const WINDOWS: usize = 9;
@@ -32,11 +33,11 @@ const SPAN: usize = 3 * WIDEST + 1;
 
 /// A way along the path, in mm.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Way {
+pub struct Way {
     /// Its arc length.
-    pub(crate) arc_mm: f64,
+    pub arc_mm: f64,
     /// The sum of its chords.
-    pub(crate) chords_mm: f64,
+    pub chords_mm: f64,
 }
 
 impl Way {
@@ -54,26 +55,28 @@ fn places([x, y, z]: [f64; 3], way: Way) -> Places {
 
 /// A setpoint, and what the step to it may do.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Setpoint {
-    pub(crate) at: StepPlace,
+pub struct Setpoint {
+    /// Where it is.
+    pub at: StepPlace,
     /// The way from the begin of the section, or of the part if that came later, in mm.
-    pub(crate) way: Way,
+    pub way: Way,
     /// The longest step that the blocks passed in it command, in mm.
-    pub(crate) feed_mm: f64,
+    pub feed_mm: f64,
     /// Whether the step passes a corner of the path, or begins at one.
-    pub(crate) passes_corner: bool,
+    pub passes_corner: bool,
     /// That corner, once it is known.
-    pub(crate) corner: Option<Corner>,
-    pub(crate) ends_at_rest: bool,
+    pub corner: Option<Corner>,
+    /// Whether the axes stand there.
+    pub ends_at_rest: bool,
 }
 
 /// A corner that a step passes or begins at.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Corner {
+pub struct Corner {
     /// By how much each component of the unit tangent changes.
-    pub(crate) turn: [f64; 3],
+    pub turn: [f64; 3],
     /// The arc length of the step, in mm.
-    pub(crate) step_mm: f64,
+    pub step_mm: f64,
 }
 
 /// A difference, and the largest that its limit allows.
@@ -117,7 +120,7 @@ impl Judged {
 
 /// The differences of the setpoints of a run, of which steps are added, or parts are joined. A part holds whole sections.
 #[derive(Clone, Debug)]
-pub(crate) struct Differences {
+pub struct Differences {
     limits: Vec<Judged>,
     /// Where the axes stand before the section, and the way there; `None` where that is not known, or they move.
     standing: Option<Places>,
@@ -135,7 +138,8 @@ pub(crate) struct Differences {
 
 impl Differences {
     /// Of a run under these limits that begins at rest at a place, or in motion.
-    pub(crate) fn new(limits: &[StatedLimit]) -> Self {
+    #[must_use]
+    pub fn new(limits: &[StatedLimit]) -> Self {
         Self {
             limits: limits
                 .iter()
@@ -165,7 +169,7 @@ impl Differences {
     }
 
     /// Begins a part with its first setpoint. Where its step begins is told when the part is [joined](Self::join) to the parts before.
-    pub(crate) fn begin_part(&mut self, first: Setpoint) {
+    pub fn begin_part(&mut self, first: Setpoint) {
         self.is_head = !first.ends_at_rest;
         if self.is_head {
             self.section.push_back(first);
@@ -173,7 +177,8 @@ impl Differences {
     }
 
     /// Whether the next setpoint begins a section, so that the place is wanted at which its step begins.
-    pub(crate) fn begins_section(&self) -> bool {
+    #[must_use]
+    pub fn begins_section(&self) -> bool {
         self.section.is_empty() && self.waiting.is_none()
     }
 
@@ -184,7 +189,7 @@ impl Differences {
 
     /// Adds a setpoint behind the first of a part, one step further; `standing_mm` is the place at which its step begins, if it
     /// [begins a section](Self::begins_section).
-    pub(crate) fn add(&mut self, standing_mm: Option<[f64; 3]>, step: Way, next: Setpoint) {
+    pub fn add(&mut self, standing_mm: Option<[f64; 3]>, step: Way, next: Setpoint) {
         let next = Setpoint { way: self.way().plus(step), ..next };
         if self.is_head && self.head.len() < SPAN {
             self.head.push(next);
@@ -196,7 +201,7 @@ impl Differences {
 
     /// Adds the part of the run that follows. Its first setpoint is one step behind the place at which the axes stand, `None` if that is not
     /// known.
-    pub(crate) fn join(
+    pub fn join(
         &mut self,
         standing_mm: Option<[f64; 3]>,
         step: Way,
@@ -225,6 +230,15 @@ impl Differences {
                 }
             }
         }
+    }
+
+    /// Ends a section in motion, with the last setpoint: what follows was not seen, and another section begins behind it.
+    pub fn break_off(&mut self) {
+        if let Some(last) = self.waiting.take() {
+            self.look(last);
+        }
+        self.section.clear();
+        (self.standing, self.open) = (None, 0);
     }
 
     /// Looks at a setpoint as soon as another follows or it ends at rest.
@@ -299,7 +313,7 @@ impl Differences {
             let begin = count.saturating_sub((limit.order + 1) * width);
             let passed = || self.section.range(begin..);
             let most_mm = match (limit.of, limit.order) {
-                (Of::Path, 0) => {
+                (Of::Path | Of::Vector, 0) => {
                     let feed = passed().map(|setpoint| setpoint.feed_mm).fold(0.0, f64::max);
                     limit.most * feed * width as f64
                 }
@@ -322,7 +336,8 @@ impl Differences {
 
     /// What is taken of the limits, seen within `r_mm`, and across the path within `r_mm + corner_mm` where a window holds a corner.
     /// Such windows are left out where `corner_mm` is `None`.
-    pub(crate) fn findings(&self, r_mm: f64, corner_mm: Option<f64>) -> Vec<LimitFinding> {
+    #[must_use]
+    pub fn findings(&self, r_mm: f64, corner_mm: Option<f64>) -> Vec<LimitFinding> {
         let across = [Some(r_mm), corner_mm.map(|corner| r_mm + corner)];
         let along = [Some(r_mm); 2];
         let of = |judged: &Judged| {
@@ -331,10 +346,12 @@ impl Differences {
             let counted = judged.raw.iter().zip(within).filter(|(_, within)| within.is_some());
             let raw = counted.map(|(raw, _)| *raw).fold(Worst::default(), greater);
             let (mut excess, mut periods, mut seen_within_mm) = (Worst::default(), 1, r_mm);
+            let mut decided_below_mm = 0.0_f64;
             for (window, both) in judged.windows.iter().enumerate() {
                 for (taken, within) in both.iter().zip(within) {
                     let (Some(_), Some(within)) = (taken.over.at, within) else { continue };
                     let seen = taken.share(power(2, limit.order) * within);
+                    decided_below_mm = decided_below_mm.max(taken.over.figure / power(2, limit.order));
                     if is_less(excess.figure, seen.figure) {
                         (excess, periods, seen_within_mm) = (seen, 1_usize << window, within);
                     }
@@ -343,7 +360,8 @@ impl Differences {
             let is_kept = raw.figure <= 1.0;
             let (taken, periods) = if is_kept { (raw, 1) } else { (excess, periods) };
             let is_hidden = !is_kept && taken.figure <= 1.0;
-            LimitFinding { limit, taken, periods, seen_within_mm: is_hidden.then_some(seen_within_mm) }
+            let seen_within_mm = is_hidden.then_some(seen_within_mm);
+            LimitFinding { limit, raw, taken, periods, seen_within_mm, decided_below_mm }
         };
         self.limits.iter().map(of).collect()
     }
@@ -384,14 +402,19 @@ fn power(base: usize, order: usize) -> f64 {
 
 /// What is taken of a limit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LimitFinding {
-    pub(crate) limit: StatedLimit,
+pub struct LimitFinding {
+    /// The limit.
+    pub limit: StatedLimit,
+    /// The largest difference over a period, as a share.
+    pub raw: Worst,
     /// The largest difference over a period, as a share, where that is at most 1; else the largest excess.
-    pub(crate) taken: Worst,
+    pub taken: Worst,
     /// How far a motion may be from setpoints that take more than the limit, where it keeps that, in mm.
-    pub(crate) seen_within_mm: Option<f64>,
+    pub seen_within_mm: Option<f64>,
     /// The periods of the window in which it shows.
-    pub(crate) periods: usize,
+    pub periods: usize,
+    /// Seen within less than this, in mm, some difference shows that the limit is broken; 0 if none exceeds it.
+    pub decided_below_mm: f64,
 }
 
 #[cfg(test)]
@@ -414,7 +437,7 @@ mod tests {
     }
 
     fn setpoint(index: u64, x: f64, passes_corner: bool, ends_at_rest: bool) -> Setpoint {
-        let at = StepPlace { index, curve: 0, point_mm: [x, 0.0, 0.0] };
+        let at = StepPlace { index, row: 0, curve: 0, point_mm: [x, 0.0, 0.0] };
         Setpoint {
             at,
             way: Way::default(),
@@ -602,8 +625,8 @@ mod tests {
             all.begin_part(setpoint(0, 0.0, false, true));
             for index in 1..=50_u32 {
                 let (sin, cos) = (f64::from(index) * step / radius).sin_cos();
-                let at =
-                    StepPlace { index: index.into(), curve: 0, point_mm: [radius * cos, radius * sin, 0.0] };
+                let point_mm = [radius * cos, radius * sin, 0.0];
+                let at = StepPlace { index: index.into(), row: 0, curve: 0, point_mm };
                 let next = Setpoint { at, passes_corner: corner, ..setpoint(0, 0.0, false, false) };
                 all.add(None, of_length(step), next);
             }
@@ -612,6 +635,28 @@ mod tests {
             assert_eq!(found.limit.what(), "total acceleration");
             assert!(if corner { share == 0.0 } else { (share - 2.0).abs() < 1e-3 }, "{share}");
         }
+    }
+
+    /// Behind a break nothing is judged over it; what ends in motion is judged to its last setpoint.
+    #[test]
+    fn a_section_that_breaks_off_is_judged_to_its_end() {
+        let mut all = of_x([Some(1.0), Some(0.5), None]);
+        let add = |all: &mut Differences, index: u64, x: f64| {
+            all.add(None, Way::default(), setpoint(index, x, false, false));
+        };
+        [0.0, 0.2, 0.4].into_iter().zip(0..).for_each(|(x, index)| add(&mut all, index, x));
+        all.break_off();
+        [9.0, 9.2, 10.1].into_iter().zip(3..).for_each(|(x, index)| add(&mut all, index, x));
+        all.break_off();
+        let found = all.findings(0.0, Some(0.0));
+        let near = |one: &LimitFinding, figure: f64| (one.taken.figure - figure).abs() < 1e-12;
+        assert!(near(&found[0], 0.9) && near(&found[1], 1.4), "{found:?}");
+        // Within r it may keep 0.7 - 4 r <= 0.5.
+        let hidden = &all.findings(0.06, Some(0.0))[1];
+        assert!(
+            hidden.seen_within_mm.is_some() && (hidden.decided_below_mm - 0.05).abs() < 1e-12,
+            "{hidden:?}"
+        );
     }
 
     #[test]

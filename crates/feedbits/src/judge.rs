@@ -1,0 +1,140 @@
+//! `feedbits judge`: what a controller really did, by a log of its setpoints.
+
+mod print;
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use clap::Args;
+use clap_complete::{ArgValueCandidates, ArgValueCompleter};
+use domains::options::{LOG_PERIOD, LOG_TOLERANCE, RESOLUTION};
+use part_program::{Dialect, Part, ReadOptions, StatedLimits, Unit};
+use serde::Serialize;
+use setpoint_log::{ColumnMap, Followed, Judgement, LengthUnit, Log, LogOptions};
+
+use crate::ending::Ending;
+use crate::numbers::number;
+use crate::progress::Progress;
+use crate::{candidates, claims, files, input, output, presets};
+
+/// Options of `judge`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Log: rows of numbers separated by commas, semicolons, tabs or blanks, as LinuxCNC's halsampler, a controller or `feedbits
+    /// interpolate` writes them; a ROS joint trajectory as CSV; or moves that Klipper's motan has kept. Packed by gzip or not. `-` is
+    /// the standard input.
+    log: PathBuf,
+    /// Machine, whose limits are judged: a preset's name, or a file (TOML with a table `machine`) which may leave out any limit.
+    #[arg(long, value_name = "NAME|FILE", add = ArgValueCompleter::new(candidates::machines))]
+    machine: PathBuf,
+    /// Which column is what, by number from 0 or by name: time=0,x=1,y=2,z=3,line=6; also time_ms and sample, the number that the
+    /// controller counts. Default: by the names in the log's head.
+    #[arg(long, value_name = "NAME=COLUMN,...")]
+    columns: Option<ColumnMap>,
+    /// The unit of the log's positions: mm, m or inch. Default: mm, and m for a ROS joint trajectory.
+    #[arg(long, value_name = "UNIT")]
+    units: Option<LengthUnit>,
+    /// The time between two setpoints, in ms. Default: that of the log's times, or the machine's if the log has none.
+    #[arg(long, value_name = "MS", value_parser = number(&LOG_PERIOD))]
+    period: Option<f64>,
+    /// How far the motion may be from the log's positions in each axis, in mm. Default: half of a unit of their last decimal.
+    #[arg(long, value_name = "MM", value_parser = number(&RESOLUTION))]
+    resolution: Option<f64>,
+    /// The axes stand before the first row and behind the last. Default: where the log shows it.
+    #[arg(long)]
+    from_rest: bool,
+    /// The part that was run: the log is followed along its path, and the feed that it commands is judged. It is read as every part is;
+    /// where a program begins is where the log does.
+    #[arg(long, value_name = "FILE")]
+    part: Option<PathBuf>,
+    /// Largest distance between the log and the path of moves at feed, both ways, in mm. Default: it is told, and not judged.
+    #[arg(long, value_name = "MM", requires = "part", value_parser = number(&LOG_TOLERANCE))]
+    tolerance: Option<f64>,
+    /// The control that the part is for: fanuc, linuxcnc or siemens; canon is what LinuxCNC's rs274 prints. Default: told by its text.
+    #[arg(long, value_name = "CONTROL", requires = "part", add = ArgValueCandidates::new(candidates::dialects))]
+    dialect: Option<Dialect>,
+    /// Read over unknown words of the part, with a warning each.
+    #[arg(long, requires = "part")]
+    lenient: bool,
+    /// The unit of the part's lengths until a word names one: mm or inch.
+    #[arg(long, value_name = "UNIT", requires = "part")]
+    part_units: Option<Unit>,
+    #[command(flatten)]
+    output: output::Output,
+}
+
+/// The result as JSON.
+#[derive(Serialize)]
+struct Judged<'a> {
+    schema: u64,
+    command: &'static str,
+    log: &'a str,
+    machine: &'a StatedLimits,
+    /// What is not as it should be, in short; it decides the exit status.
+    faults: &'a [String],
+    #[serde(flatten)]
+    judgement: &'a Judgement,
+}
+
+/// Judges the log and prints what was found.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let place = arguments.output.place()?;
+    let machine = presets::read_limits(&arguments.machine)?;
+    let (name, log) = opened(&arguments.log)?;
+    let progress = Progress::spinning("reading and judging");
+    let options = LogOptions {
+        columns: arguments.columns.clone(),
+        unit: arguments.units,
+        period_s: arguments.period.map(|period| 1e-3 * period),
+        resolution_mm: arguments.resolution,
+        from_rest_to_rest: arguments.from_rest,
+    };
+    let log = Log::begin(log, &machine, &options).with_context(|| name.clone())?;
+    let part = arguments.part_from(log.first_point_mm())?;
+    let followed = part.as_ref().map(|part| Followed { part, tolerance_mm: arguments.tolerance });
+    let judgement = log.judge(followed).with_context(|| name.clone())?;
+    progress.finish();
+    let faults = judgement.faults();
+    let text = if arguments.output.json {
+        let judged = Judged {
+            schema: 1,
+            command: "judge",
+            log: &name,
+            machine: &machine,
+            faults: &faults,
+            judgement: &judgement,
+        };
+        serde_json::to_string_pretty(&judged)? + "\n"
+    } else {
+        print::text(&name, &judgement, &faults)
+    };
+    output::write(&place, &text)?;
+    Ok(if faults.is_empty() { Ending::Good } else { Ending::RequirementNotMet })
+}
+
+impl Arguments {
+    /// The part, if one is named, which begins where the log does.
+    fn part_from(&self, start_mm: [f64; 3]) -> Result<Option<Part>> {
+        let Some(path) = &self.part else { return Ok(None) };
+        let bytes = files::bytes("--part", path, files::MOST_OF_PART)?;
+        let options = ReadOptions {
+            dialect: self.dialect,
+            lenient: self.lenient,
+            start_mm: Some(start_mm),
+            unit: self.part_units,
+        };
+        let part = part_program::read_part_bytes(&path.display().to_string(), &bytes, options)?;
+        input::say_warnings(&part);
+        Ok(Some(part))
+    }
+}
+
+/// The log, and what a person calls it.
+fn opened(path: &Path) -> Result<(String, Box<dyn Read>)> {
+    if path == Path::new("-") {
+        claims::read_standard_input()?;
+        return Ok(("standard input".into(), Box::new(std::io::stdin().lock())));
+    }
+    Ok((path.display().to_string(), Box::new(files::open("the log", path)?)))
+}

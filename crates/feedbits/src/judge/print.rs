@@ -1,0 +1,205 @@
+//! What was found in a log, as a table.
+
+use std::fmt::Write;
+
+use setpoint_log::{Faults, JudgedLimit, Judgement, LimitVerdict, LogPlace, PartFindings};
+
+use crate::output::counted;
+use crate::screen::{self, duration, labelled, short, table};
+
+/// The answer, the limits, the rows, and what was not judged.
+pub(crate) fn text(name: &str, found: &Judgement, faults: &[String]) -> String {
+    let mut text = answer(name, found, faults) + "\n" + &summary(found);
+    if !found.limits.is_empty() {
+        text.push('\n');
+        text += &limits(found);
+        text += &places(found);
+    }
+    for (label, faults) in [("twice       ", &found.doubled), ("missing     ", &found.missing)] {
+        text += &rows(label, faults);
+    }
+    if let Some(part) = &found.part {
+        text.push('\n');
+        text += &of_part(part);
+    }
+    if !found.not_judged.is_empty() {
+        text.push('\n');
+    }
+    for one in &found.not_judged {
+        text += &labelled("not judged  ", one);
+    }
+    text
+}
+
+fn answer(name: &str, found: &Judgement, faults: &[String]) -> String {
+    let name = screen::file_name(name);
+    let hidden = found.limits.iter().filter(|limit| limit.verdict == LimitVerdict::KeptWithin).count();
+    let said = match (faults.len(), hidden) {
+        (0, 0) if found.limits.is_empty() => format!("{name}: the machine states no limit."),
+        (0, 0) => format!("{name}: every limit is kept."),
+        (0, _) => format!("{name}: no limit is broken; {} are kept within what the log resolves.", hidden),
+        (1, _) => format!("{name}: one fault."),
+        (count, _) => format!("{name}: {count} faults."),
+    };
+    screen::answer(&said) + &faults.iter().map(|fault| labelled("- ", fault)).collect::<String>()
+}
+
+fn summary(found: &Judgement) -> String {
+    let mut text = String::new();
+    let rest = match found.at_rest {
+        [true, true] => "from rest to rest",
+        [true, false] => "from rest, to its end in motion",
+        [false, true] => "from a begin in motion, to rest",
+        [false, false] => "in motion at both ends",
+    };
+    let _ = writeln!(
+        text,
+        "log         {}, {}, a setpoint every {} ms, {rest}",
+        counted(usize::try_from(found.rows).unwrap_or(usize::MAX), "row", "rows"),
+        duration(found.time_s),
+        short(1e3 * found.period_s)
+    );
+    let _ = writeln!(
+        text,
+        "resolution  r = {:.1e} mm: the motion is within r of the positions in each axis",
+        found.resolution_mm
+    );
+    if found.standstills.count > 0 {
+        let at = found.standstills.at.map_or(String::new(), |at| format!(", from {}", place(&at)));
+        let count = usize::try_from(found.standstills.count).unwrap_or(usize::MAX);
+        let longest = duration(found.standstills.longest_s);
+        text += &labelled(
+            "stands      ",
+            &format!("{} between motions; the longest for {longest}{at}", counted(count, "time", "times")),
+        );
+    }
+    if found.left_out > 0 {
+        let _ = writeln!(
+            text,
+            "left out    the way is not in the log at {} places, as of rapid moves",
+            found.left_out
+        );
+    }
+    text
+}
+
+fn limits(found: &Judgement) -> String {
+    let rows = found.limits.iter().map(|limit| {
+        let at = limit.at;
+        let line = at.and_then(|at| at.line).map_or(String::new(), |line| line.to_string());
+        vec![
+            limit.what.to_string(),
+            format!("{} {}", short(limit.limit), limit.unit),
+            share(limit.raw),
+            if limit.verdict == LimitVerdict::Kept { String::new() } else { share(limit.taken) },
+            verdict(limit),
+            at.map_or(String::new(), |at| at.row.to_string()),
+            line,
+        ]
+    });
+    let header = ["", "limit", "as it is", "at least", "verdict", "row", "line"];
+    table(&header, rows.collect())
+}
+
+fn verdict(limit: &JudgedLimit) -> String {
+    match limit.verdict {
+        LimitVerdict::Kept => "kept".into(),
+        LimitVerdict::KeptWithin => "kept within r".into(),
+        LimitVerdict::Broken => "broken".into(),
+    }
+}
+
+/// A share of a limit, with digits that tell it from 1.
+fn share(share: f64) -> String {
+    if share.is_finite() && share < 1e5 { format!("{share:.4}") } else { format!("{share:.2e}") }
+}
+
+/// Where limits are broken, and which logs would tell where this one does not.
+fn places(found: &Judgement) -> String {
+    let mut text = String::new();
+    for limit in &found.limits {
+        match (limit.verdict, limit.at, limit.decided_below_mm) {
+            (LimitVerdict::Broken, Some(at), _) => {
+                let over = match limit.periods {
+                    1 => "a period".to_string(),
+                    periods => format!("{periods} periods"),
+                };
+                let said = format!(
+                    "{} {} times its limit, over {over}, {}",
+                    limit.what,
+                    share(limit.taken),
+                    place(&at)
+                );
+                text += &labelled("broken      ", &said);
+            }
+            (LimitVerdict::KeptWithin, _, Some(within)) => {
+                let said = format!("r below {within:.1e} mm, of {}", limit.what);
+                text += &labelled("would show  ", &said);
+            }
+            _ => {}
+        }
+    }
+    if text.is_empty() { text } else { format!("\n{text}") }
+}
+
+fn place(at: &LogPlace) -> String {
+    let [x, y, z] = at.point_mm;
+    let line = at.line.map_or(String::new(), |line| format!(", line {line}"));
+    format!("at {:.4} s, row {}{line}, X {x:.4} Y {y:.4} Z {z:.4}", at.time_s, at.row)
+}
+
+/// How the log follows the part.
+fn of_part(part: &PartFindings) -> String {
+    const SHOWN: usize = 5;
+    let moves = counted(part.moves, "move", "moves");
+    let mut text = format!("part        {moves}, {:.3} mm\n", part.length_mm);
+    for (label, off) in [("off path    ", &part.nearest), ("in rapids   ", &part.nearest_rapid)] {
+        if let Some(at) = off.at {
+            let said = format!(
+                "{} mm at most, from the nearest place of it: in line {}, {}",
+                small(off.mm),
+                off.line,
+                place(&at)
+            );
+            text += &labelled(label, &said);
+        }
+    }
+    let said = format!("at most {} mm between log and path, skipped moves and all", small(part.order_mm));
+    text += &labelled("in order    ", &said);
+    let said = format!("{} mm at most of the path of moves at feed from the log", small(part.path_to_log_mm));
+    text += &labelled("off log     ", &said);
+    for one in part.over_feed.iter().take(SHOWN) {
+        let said = format!(
+            "line {}: {} of {} mm/s, {}",
+            one.line,
+            short(one.largest_mm_per_s),
+            short(one.commanded_mm_per_s),
+            place(&one.at)
+        );
+        text += &labelled("feed        ", &said);
+    }
+    text
+}
+
+/// A distance in mm, of three digits at least.
+fn small(mm: f64) -> String {
+    if mm > 0.0 && mm < 1e-3 { format!("{mm:.2e}") } else { format!("{mm:.6}") }
+}
+
+/// Rows that are there twice, or missing.
+fn rows(label: &str, faults: &Faults) -> String {
+    const SHOWN: usize = 5;
+    let mut text = String::new();
+    for (at, rows) in faults.first.iter().take(SHOWN) {
+        let count = match rows {
+            0 => "some rows".to_string(),
+            rows => counted(usize::try_from(*rows).unwrap_or(usize::MAX), "row", "rows"),
+        };
+        text += &labelled(label, &format!("{count} before {}", place(at).trim_start_matches("at ")));
+    }
+    let more = faults.places.saturating_sub(SHOWN as u64);
+    if more > 0 {
+        let _ = writeln!(text, "{label}and at {more} more places");
+    }
+    text
+}

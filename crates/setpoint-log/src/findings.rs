@@ -1,0 +1,158 @@
+//! What was found in a log.
+
+use limit_judge::StepPlace;
+use serde::Serialize;
+
+use crate::part_findings::PartFindings;
+
+/// A log as it was judged.
+#[derive(Clone, Debug, Serialize)]
+pub struct Judgement {
+    /// Setpoints in the log.
+    pub rows: u64,
+    /// The time from its first setpoint to its last, in s.
+    pub time_s: f64,
+    /// The time between two setpoints, in s.
+    pub period_s: f64,
+    /// How far the motion may be from the positions in the log, in each axis, in mm: half a unit of their last decimal, or what was given.
+    pub resolution_mm: f64,
+    /// Whether the log shows the axes at rest at its begin and at its end.
+    pub at_rest: [bool; 2],
+    /// A row for each limit that the machine states.
+    pub limits: Vec<JudgedLimit>,
+    /// What was not judged, and why, a sentence for each.
+    pub not_judged: Vec<String>,
+    /// Rows that are there twice: the axes cannot stand there.
+    pub doubled: Faults,
+    /// Rows that are missing.
+    pub missing: Faults,
+    /// Standstills between motions.
+    pub standstills: Standstills,
+    /// Places at which the log leaves rapid moves out.
+    pub left_out: u64,
+    /// How the log follows a part, where one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<PartFindings>,
+}
+
+impl Judgement {
+    /// What is not as it should be, in short.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        let broken = self.limits.iter().filter(|limit| limit.verdict == LimitVerdict::Broken);
+        let mut faults: Vec<String> = broken.map(|limit| format!("{} is broken", limit.what)).collect();
+        for (rows, of) in [("twice", &self.doubled), ("missing", &self.missing)] {
+            if of.places > 0 {
+                faults.push(match of.rows {
+                    0 => format!("rows are {rows}"),
+                    1 => format!("1 row is {rows}"),
+                    count => format!("{count} rows are {rows}"),
+                });
+            }
+        }
+        faults.extend(self.part.iter().flat_map(PartFindings::faults));
+        faults
+    }
+}
+
+/// Whether a limit is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LimitVerdict {
+    /// The setpoints themselves keep it.
+    Kept,
+    /// A motion within the resolution keeps it, and one that breaks it by little is possible too.
+    KeptWithin,
+    /// No motion within the resolution keeps it.
+    Broken,
+}
+
+/// What is taken of a limit.
+#[derive(Clone, Debug, Serialize)]
+pub struct JudgedLimit {
+    /// Of what it is a limit.
+    pub what: &'static str,
+    /// The axis, if it is a limit of one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<&'static str>,
+    /// The limit; that of the feed is the highest commanded.
+    pub limit: f64,
+    /// The unit of the limit.
+    pub unit: &'static str,
+    /// Whether it is kept.
+    pub verdict: LimitVerdict,
+    /// The largest share of the limit that setpoints take over single periods, as they are.
+    pub raw: f64,
+    /// The share of the limit that every motion within the resolution takes.
+    pub taken: f64,
+    /// The periods of the window in which that shows.
+    pub periods: usize,
+    /// Where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<LogPlace>,
+    /// A log of positions within this, in mm, would decide whether the limit is kept, where this one does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decided_below_mm: Option<f64>,
+}
+
+/// A place in a log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LogPlace {
+    /// The row, from 1, without a head.
+    pub row: u64,
+    /// The time, in s: that of the log if it has times, else since its first row.
+    pub time_s: f64,
+    /// The line of the program that the log names, if it names one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<usize>,
+    /// Where the axes are, in mm.
+    pub point_mm: [f64; 3],
+}
+
+impl LogPlace {
+    /// Of a setpoint, in a log whose first has this time.
+    pub(crate) fn of(at: &StepPlace, begin_s: f64, period_s: f64) -> Self {
+        Self {
+            row: at.row,
+            time_s: begin_s + at.index as f64 * period_s,
+            line: (at.curve > 0).then_some(at.curve),
+            point_mm: at.point_mm,
+        }
+    }
+}
+
+/// Rows that are there twice, or missing.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Faults {
+    /// Places at which that is so.
+    pub places: u64,
+    /// Rows in all of them.
+    pub rows: u64,
+    /// The first places, with the rows at each.
+    pub first: Vec<(LogPlace, u64)>,
+}
+
+impl Faults {
+    /// Places that are kept.
+    const MOST: usize = 20;
+
+    pub(crate) fn add(&mut self, at: LogPlace, rows: u64) {
+        self.places += 1;
+        self.rows += rows;
+        if self.first.len() < Self::MOST {
+            self.first.push((at, rows));
+        }
+    }
+}
+
+/// Standstills between motions.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Standstills {
+    /// How often the axes stand between two motions, for ten periods at least.
+    pub count: u64,
+    /// The longest, in s.
+    pub longest_s: f64,
+    /// Where that begins.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<LogPlace>,
+}

@@ -1,0 +1,127 @@
+//! How a log follows a part.
+
+use serde::Serialize;
+
+use crate::findings::LogPlace;
+
+/// How a log follows a part.
+#[derive(Clone, Debug, Serialize)]
+pub struct PartFindings {
+    /// Moves of the part.
+    pub moves: usize,
+    /// The length of its path, rapid moves and all, in mm.
+    pub length_mm: f64,
+    /// The largest distance of setpoints of moves at feed from the path, wherever on it.
+    pub nearest: Off,
+    /// The same of rapid moves.
+    pub nearest_rapid: Off,
+    /// The largest distance between log and path in the order of both, all moves and what is skipped, in mm: the Fréchet distance is at most
+    /// that.
+    pub order_mm: f64,
+    /// The largest distance of the path of moves at feed from the log, in mm.
+    pub path_to_log_mm: f64,
+    /// The largest distance that was asked for, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance_mm: Option<f64>,
+    /// Parts of the path that the log skips.
+    pub skipped: Vec<SkippedMoves>,
+    /// How much of the path is left behind the end of the log, in mm.
+    pub left_mm: f64,
+    /// The line in which the log ends.
+    pub ends_in_line: usize,
+    /// Lines whose commanded feed is exceeded, the worst first.
+    pub over_feed: Vec<LineFeed>,
+    /// The share of setpoints that are farther from the path than a hundredth of the part.
+    pub far_share: f64,
+    /// What the log would have to be scaled by to be as large as the part, where that is the ratio of two units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit_ratio: Option<f64>,
+    #[serde(skip)]
+    pub(crate) hidden_mm: f64,
+}
+
+/// A distance, and where it is.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Off {
+    /// In mm.
+    pub mm: f64,
+    /// Where.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<LogPlace>,
+    /// The line of the part.
+    pub line: usize,
+}
+
+/// Moves that a log skips.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct SkippedMoves {
+    /// The first and the last line of them.
+    pub lines: [usize; 2],
+    /// The length of the path that is skipped, in mm.
+    pub length_mm: f64,
+    /// The largest distance of what is skipped from where the log left the path, in mm.
+    pub off_mm: f64,
+}
+
+/// The feed in a line.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct LineFeed {
+    /// The line of the part.
+    pub line: usize,
+    /// The commanded feed, in mm/s.
+    pub commanded_mm_per_s: f64,
+    /// The largest feed of a step, in mm/s.
+    pub largest_mm_per_s: f64,
+    /// Where.
+    pub at: LogPlace,
+}
+
+/// The share of setpoints that are far from the path from which on the log is of another part.
+const ANOTHER: f64 = 0.1;
+/// What is left of a path at its end, in mm, where no tolerance is given.
+const LEFT_MM: f64 = 0.01;
+
+impl PartFindings {
+    /// Whether the log is of another part.
+    #[must_use]
+    pub fn is_another(&self) -> bool {
+        self.far_share > ANOTHER
+    }
+
+    /// What is not as the part says, in short.
+    pub(crate) fn faults(&self) -> Vec<String> {
+        if self.is_another() {
+            let unit = self.unit_ratio.map_or(String::new(), |ratio| {
+                format!("; its size is that of the part times {ratio}, as of another unit")
+            });
+            return vec![format!(
+                "the log is of another part: {:.0} % of its setpoints are far from the path, up to {:.3} mm{unit}",
+                100.0 * self.far_share,
+                self.nearest.mm.max(self.nearest_rapid.mm)
+            )];
+        }
+        let mut faults = Vec::new();
+        for skip in &self.skipped {
+            let [first, last] = skip.lines;
+            faults.push(format!("lines {first} to {last} are skipped: {:.3} mm of the path", skip.length_mm));
+        }
+        if self.left_mm > self.tolerance_mm.unwrap_or(LEFT_MM) {
+            faults.push(format!(
+                "the log ends in line {}, {:.3} mm before the end",
+                self.ends_in_line, self.left_mm
+            ));
+        }
+        if let Some(tolerance) = self.tolerance_mm {
+            let most = tolerance * (1.0 + 1e-9) + self.hidden_mm;
+            if self.nearest.mm > most {
+                faults.push(format!(
+                    "the log leaves the path by {:.6} mm in line {}",
+                    self.nearest.mm, self.nearest.line
+                ));
+            } else if self.skipped.is_empty() && self.path_to_log_mm > most {
+                faults.push(format!("the log cuts the path by {:.6} mm", self.path_to_log_mm));
+            }
+        }
+        faults
+    }
+}

@@ -1,0 +1,220 @@
+//! The path of a part as straight segments, none farther from the exact curve than a tolerance.
+
+use nurbs_core::{CurveError, Derivatives, Differentiate, Evaluate, NurbsBuf, distance_to_segment};
+use part_program::{MoveKind, Part};
+
+/// How far a segment may be from its curve, in mm. Figures of curves are taken from the curves themselves.
+pub(crate) const FLAT_MM: f64 = 1e-4;
+/// Halvings of a knot span, at most.
+const DEEPEST: u32 = 16;
+
+/// A straight segment of the path, from its vertex to the next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment {
+    /// The move in which it lies; the one behind it if it bridges a gap between two.
+    pub(crate) of_move: usize,
+    /// The parameters of the curve at its ends.
+    u: [f64; 2],
+    pub(crate) is_gap: bool,
+}
+
+/// A move of the part.
+#[derive(Debug)]
+pub(crate) struct PathMove {
+    pub(crate) line: usize,
+    pub(crate) is_rapid: bool,
+    /// The feed that it commands, in mm/s.
+    pub(crate) feed_mm_per_s: Option<f64>,
+    pub(crate) length_mm: f64,
+    /// The vertex at its end.
+    pub(crate) end: usize,
+    /// The curve, if it is no straight line.
+    curve: Option<NurbsBuf<f64, 3>>,
+}
+
+/// The path of a part.
+#[derive(Debug)]
+pub(crate) struct PartPath {
+    /// One more than segments.
+    pub(crate) vertices: Vec<[f64; 3]>,
+    pub(crate) segments: Vec<Segment>,
+    pub(crate) moves: Vec<PathMove>,
+    /// The length of the path up to each vertex, in mm.
+    pub(crate) so_far_mm: Vec<f64>,
+    /// The diagonal of the box around it, in mm.
+    pub(crate) extent_mm: f64,
+}
+
+impl PartPath {
+    /// The path of a part whose moves without a feed have `feed_mm_per_s`.
+    ///
+    /// # Errors
+    /// [`CurveError`] if a curve is not valid.
+    pub(crate) fn new(part: &Part, feed_mm_per_s: Option<f64>) -> Result<Self, CurveError> {
+        let mut path = Self {
+            vertices: Vec::new(),
+            segments: Vec::new(),
+            moves: Vec::new(),
+            so_far_mm: Vec::new(),
+            extent_mm: 0.0,
+        };
+        for (curve, one) in part.curves.iter().zip(&part.moves) {
+            let points = curve.control_points_mm();
+            let is_straight = curve.degree() == 1 && points.len() == 2;
+            let exact = curve.for_evaluation()?;
+            path.moves.push(PathMove {
+                line: one.line,
+                is_rapid: one.kind == MoveKind::Rapid,
+                feed_mm_per_s: one.feedrate_mm_per_s.or(feed_mm_per_s),
+                length_mm: 0.0,
+                end: 0,
+                curve: (!is_straight).then_some(exact),
+            });
+            path.add_vertices(points);
+            let end = path.vertices.len() - 1;
+            if let Some(last) = path.moves.last_mut() {
+                last.end = end;
+            }
+        }
+        let ends = |axis: usize| {
+            let all = || path.vertices.iter().map(|vertex| vertex[axis]);
+            all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+        };
+        let mut so_far = 0.0;
+        let steps = path.vertices.windows(2).map(|pair| distance(&pair[0], &pair[1]));
+        path.so_far_mm = std::iter::once(0.0)
+            .chain(steps)
+            .map(|step| {
+                so_far += step;
+                so_far
+            })
+            .collect();
+        path.extent_mm = (0..3).map(|axis| ends(axis).powi(2)).sum::<f64>().sqrt();
+        Ok(path)
+    }
+
+    /// Adds the vertices of the last move.
+    fn add_vertices(&mut self, points: &[[f64; 3]]) {
+        let of_move = self.moves.len() - 1;
+        let (first, last) = (points[0], points[points.len() - 1]);
+        match self.vertices.last() {
+            None => self.vertices.push(first),
+            Some(before) if *before != first => {
+                self.vertices.push(first);
+                self.segments.push(Segment { of_move, u: [0.0; 2], is_gap: true });
+            }
+            Some(_) => {}
+        }
+        let from = self.vertices.len() - 1;
+        let Some(exact) = self.moves[of_move].curve.take() else {
+            self.add(last, of_move, [0.0, 1.0]);
+            self.moves[of_move].length_mm = distance(&first, &last);
+            return;
+        };
+        let curve = exact.as_curve();
+        for span in 0..curve.span_count() {
+            let (begin, end) = curve.span_bounds(span);
+            let ends = [begin, end].map(|u| (u, curve.point(u)));
+            self.flatten(&|u| curve.point(u), ends, of_move, 0);
+        }
+        self.moves[of_move].length_mm =
+            self.vertices[from..].windows(2).map(|pair| distance(&pair[0], &pair[1])).sum();
+        self.moves[of_move].curve = Some(exact);
+    }
+
+    fn add(&mut self, vertex: [f64; 3], of_move: usize, u: [f64; 2]) {
+        self.vertices.push(vertex);
+        self.segments.push(Segment { of_move, u, is_gap: false });
+    }
+
+    /// Adds the segments from one place of a curve to another, behind the vertex of the first.
+    fn flatten(
+        &mut self,
+        point: &dyn Fn(f64) -> [f64; 3],
+        [from, to]: [(f64, [f64; 3]); 2],
+        of_move: usize,
+        depth: u32,
+    ) {
+        let at = |share: f64| from.0 + share * (to.0 - from.0);
+        let chord = [from.1, to.1];
+        let is_flat = |share: &f64| distance_to_segment(&point(at(*share)), &chord) <= 0.5 * FLAT_MM;
+        if depth >= DEEPEST || [0.25, 0.5, 0.75].iter().all(is_flat) {
+            return self.add(to.1, of_move, [from.0, to.0]);
+        }
+        let middle = (at(0.5), point(at(0.5)));
+        self.flatten(point, [from, middle], of_move, depth + 1);
+        self.flatten(point, [middle, to], of_move, depth + 1);
+    }
+
+    pub(crate) fn ends(&self, segment: usize) -> [[f64; 3]; 2] {
+        [self.vertices[segment], self.vertices[segment + 1]]
+    }
+
+    /// The length of the path up to a place, in mm.
+    pub(crate) fn length_to(&self, segment: usize, share: f64) -> f64 {
+        let [from, to] = [self.so_far_mm[segment], self.so_far_mm[segment + 1]];
+        from + share * (to - from)
+    }
+
+    /// The length of the whole path, in mm.
+    pub(crate) fn length_mm(&self) -> f64 {
+        self.so_far_mm.last().copied().unwrap_or(0.0)
+    }
+
+    /// Whether a segment is cut at a feed.
+    pub(crate) fn is_feed(&self, segment: usize) -> bool {
+        self.segments.get(segment).is_none_or(|one| !one.is_gap && !self.moves[one.of_move].is_rapid)
+    }
+
+    /// The distance of a point from the exact curve near a segment, in mm; `near_mm` is its distance from the segment.
+    ///
+    /// Newton's iteration for the foot of the perpendicular, (C - P)·C' = 0, from the middle of the segment's parameters; what leaves the
+    /// curve's domain ends there. The least distance of all iterates counts, so it is never above the true one by more than the segment is
+    /// from the curve.
+    pub(crate) fn exact_distance(&self, point: &[f64; 3], segment: usize, near_mm: f64) -> f64 {
+        let Segment { of_move, u, .. } = self.segments[segment];
+        let Some(curve) = &self.moves[of_move].curve else { return near_mm };
+        let curve = curve.as_curve();
+        let (begin, end) = curve.domain();
+        let (mut u, mut least) = (0.5 * (u[0] + u[1]), f64::INFINITY);
+        for _ in 0..8 {
+            let Derivatives { point: at, first, second, .. } = curve.derivatives(u);
+            let off: [f64; 3] = std::array::from_fn(|axis| at[axis] - point[axis]);
+            least = least.min(norm(&off));
+            let slope = dot(&first, &first) + dot(&off, &second);
+            let next = (u - dot(&off, &first) / slope).clamp(begin, end);
+            if slope <= 0.0 || !next.is_finite() || next == u {
+                break;
+            }
+            u = next;
+        }
+        least.min(near_mm + FLAT_MM)
+    }
+}
+
+pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn norm(a: &[f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+pub(crate) fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    squared_distance(a, b).sqrt()
+}
+
+pub(crate) fn squared_distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    let off = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    dot(&off, &off)
+}
+
+/// The share of the way from A to B at which a point is nearest, and the square of its distance there; not before `least`.
+pub(crate) fn foot(point: &[f64; 3], [a, b]: &[[f64; 3]; 2], least: f64) -> (f64, f64) {
+    let way = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+    let from = [point[0] - a[0], point[1] - a[1], point[2] - a[2]];
+    let length = dot(&way, &way);
+    let share = if length > 0.0 { (dot(&from, &way) / length).clamp(least, 1.0) } else { 1.0 };
+    let off = [from[0] - share * way[0], from[1] - share * way[1], from[2] - share * way[2]];
+    (share, dot(&off, &off))
+}

@@ -1,0 +1,5 @@
+//! Logs with faults of known size: each is found, and nothing else.
+
+mod motion;
+mod planted;
+mod refused;
