@@ -30,9 +30,11 @@ pub(crate) struct Input {
     /// by its splines, or by its lines.
     #[arg(long, value_name = "CONTROL", add = ArgValueCandidates::new(candidates::dialects))]
     dialect: Option<Dialect>,
-    /// Read over unknown words of a part program, with a warning each. A G word that is not read leaves the axes of its
-    /// block out, and where they are is unknown until a move in G90 names them; after a motion that is
-    /// not read, no axes are moved until a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
+    /// Read over unknown words of a part program, with a warning each. A block with a word that is not read is left out: it moves
+    /// nothing, and nothing moves behind it until blocks in G90 have named each axis whose place is unknown. Behind a name, a call or
+    /// a G word that no table has, that is every axis. After a word that turns, scales or mirrors coordinates, or changes what moves
+    /// mean, such as G68, G112 or TRANSMIT, nothing moves until the word that ends it. Other G words of the block, F, M, S, T, D and
+    /// H hold.
     #[arg(long)]
     lenient: bool,
     /// Where the tool is when a part program begins, in mm. Default: an axis begins where the program first sends it.

@@ -67,6 +67,7 @@ mod siemens;
 mod siemens_arcs;
 mod spline;
 mod spline_move;
+mod unread_names;
 mod variables;
 mod word;
 

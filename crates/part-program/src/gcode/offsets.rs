@@ -105,6 +105,7 @@ impl Reader<'_, '_, '_> {
             self.unknown_from[axis] = self.part.curves.len();
         }
         self.modal.forget(axis);
+        self.goes_on = false;
     }
 
     /// A rapid move. An unknown axis takes no part in it, since it begins where it is sent.

@@ -80,7 +80,7 @@ impl Reader<'_, '_, '_> {
 
     /// Executes one G word; a motion is returned.
     fn general(&mut self, block: &mut Block<'_>, word: Word) -> Result<Option<Motion>, ()> {
-        let Some(tenths) = code(word.value) else { return self.unread_word(word) };
+        let Some(tenths) = code(word.value) else { return self.unread_word(block, word) };
         if let Some(reason) = self.turning(block, tenths) {
             self.refuse_lathe(word.span, reason);
             return Err(());
@@ -95,7 +95,9 @@ impl Reader<'_, '_, '_> {
                 return Ok(None);
             }
             Act::Off => return Ok(None),
-            Act::Frame(_) | Act::Motion | Act::Leave | Act::Lathe => return self.unread_word(word),
+            Act::Frame(_) | Act::Cylinder | Act::Motion | Act::Leave | Act::Lathe => {
+                return self.unread_word(block, word);
+            }
         }
         if let Some(placing) = self.placing(block, word) {
             self.placing = Some((placing, word.span));
@@ -110,7 +112,7 @@ impl Reader<'_, '_, '_> {
         {
             return Ok(None);
         }
-        self.unread_word(word)
+        self.unread_word(block, word)
     }
 
     /// The feature that shows that a program is for a lathe: its diameters, speeds or cycles.

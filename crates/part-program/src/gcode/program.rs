@@ -120,8 +120,10 @@ impl Reader<'_, '_, '_> {
         self.flags.clone_from(&read.flags);
         self.others.is_printer |= !self.flags.is_empty();
         self.unread_name = read.unread;
+        self.obey_names(&read.name_acts);
         if read.words.is_empty() && read.unread.is_some() {
             self.lose_track_of_all();
+            self.forget_the_last_move();
         }
         self.block(&mut read.words);
         if let Some((command, span)) = read.command.take() {

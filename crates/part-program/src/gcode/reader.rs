@@ -8,7 +8,7 @@ use crate::gcode::block::Block;
 use crate::gcode::corner::Corner;
 use crate::gcode::cycle::Holes;
 use crate::gcode::flow::Flow;
-use crate::gcode::frame::Frame;
+use crate::gcode::frame::Frames;
 use crate::gcode::modal::{Modal, WORK_OFFSETS};
 use crate::gcode::other_axes::OtherAxes;
 use crate::gcode::placing::Placing;
@@ -65,8 +65,10 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) whole_units: bool,
     /// A name of the block that is not read, or a character.
     pub(crate) unread_name: Option<Span>,
-    /// What ends turned or scaled coordinates that are not read, or calls at every place, while they are in force.
-    pub(crate) unread_frame: Option<Frame>,
+    /// Turned or scaled coordinates, calls at every place and other meanings of moves that are in force and are not read.
+    pub(crate) unread_frames: Frames,
+    /// Whether the block has a G word.
+    pub(crate) has_g_word: bool,
     /// A G word of the block that is skipped.
     pub(crate) unread: Option<Span>,
     /// The first G96. On a lathe, whose programs never name Y, it means that X is a diameter.
@@ -87,6 +89,8 @@ pub(crate) struct Reader<'r, 't, 'p> {
     /// Inner point of a smooth continuation of G5, from its start.
     pub(crate) smooth: Option<[f64; 2]>,
     pub(crate) ended: bool,
+    /// Whether the last curve is the move before the block that is read: nothing was left out in between.
+    pub(crate) goes_on: bool,
 }
 
 impl<'r, 't, 'p> Reader<'r, 't, 'p> {
@@ -118,7 +122,8 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             is_declared: options.dialect.is_some(),
             whole_units: options.dialect == Some(Dialect::Fanuc),
             unread_name: None,
-            unread_frame: None,
+            unread_frames: Frames::default(),
+            has_g_word: false,
             unread: None,
             cut_speed_from: None,
             names_y: false,
@@ -131,6 +136,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             spline: None,
             smooth: None,
             ended: false,
+            goes_on: false,
         }
     }
 
@@ -187,6 +193,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             self.part.curves.push(between);
             self.part.moves.push(one);
         }
+        self.goes_on = true;
         self.bytes += curve.bytes() + size_of::<Move>();
         let one = Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop: false, line, block };
         self.stops.push(self.part, self.end, curve, one);
