@@ -57,6 +57,9 @@ impl Reader<'_, '_, '_> {
         if self.modal.is_lost() && !matches!(self.modal.motion, Motion::None | Motion::Broken) {
             return self.find_again(block, is_new);
         }
+        if block.has_axis() && self.motion_is_barred(block) {
+            return self.pass_over(block);
+        }
         self.end = if self.block_stops { PathMode::ExactStop } else { self.modal.path_mode };
         if block.has_axis() || b"IJK".iter().any(|letter| block.has(*letter)) {
             self.modal.settle();

@@ -18,6 +18,7 @@ use crate::gcode::preparatory::code;
 use crate::gcode::reader::Reader;
 use crate::gcode::unread_names::NameAct;
 use crate::gcode::word::{Key, Word};
+use crate::options::Dialect;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
@@ -49,7 +50,10 @@ impl Reader<'_, '_, '_> {
         }
         let text = self.report.source.slice(word.span);
         let message = match code(word.value) {
-            Some(410..=429) => format!("cutter compensation, `{text}`, is not read"),
+            Some(410 | 420) => {
+                let control = self.options.dialect.map_or("this control", Dialect::name);
+                format!("cutter compensation, `{text}`, is not read: {control} begins it and passes corners otherwise than LinuxCNC")
+            }
             Some(870) => {
                 format!("`{text}` bores from behind, with a shift that the machine directs: it is not read")
             }
@@ -96,7 +100,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    fn open_frame(&mut self, frame: Frame) {
+    pub(crate) fn open_frame(&mut self, frame: Frame) {
         self.unread_frames.open(frame);
         self.lose_track_of_all();
     }
@@ -193,6 +197,7 @@ impl Reader<'_, '_, '_> {
     pub(crate) fn forget_the_last_move(&mut self) {
         self.goes_on = false;
         (self.corner, self.smooth) = (None, None);
+        self.lose_compensation();
     }
 
     /// A move from a place that is not known is left out; from its end on the axes are known that it names.

@@ -9,12 +9,14 @@ use crate::gcode::scope::Scope;
 use crate::options::{Dialect, ReadOptions};
 use crate::part::Part;
 use crate::source::Span;
+use crate::tool_table::ToolTable;
 
 /// Reads a whole program into `part`. Errors and warnings go to the report.
-pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions) {
+pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions, tools: &ToolTable) {
     let length = report.source.text.len();
-    let mut reader = Reader::new(report, part, options);
+    let mut reader = Reader::new(report, part, options, tools);
     reader.lines();
+    reader.end_compensation();
     if let Some(corner) = reader.corner.take() {
         corner.say_unmet(reader.report);
     }
