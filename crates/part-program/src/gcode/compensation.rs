@@ -156,7 +156,8 @@ impl Compensation {
             Some(last) => {
                 let way = contour.beside(self.distance).ok_or(Fault::ArcTooSmall)?;
                 let whole = way.length();
-                match corner(last.direction, contour.direction(start), self.distance) {
+                let bend = way.about.or(last.way.about).map(|(_, sense)| sense);
+                match corner(last.direction, contour.direction(start), bend, self.distance) {
                     Corner::Smooth => (way, self.at().map_or(start, in_plane), whole),
                     Corner::Outer => {
                         done.append(&mut self.waiting);

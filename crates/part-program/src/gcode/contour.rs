@@ -50,12 +50,15 @@ pub(crate) enum Corner {
     Inner,
 }
 
-/// The corner between two directions, for a tool at this distance.
-pub(crate) fn corner(before: Point, behind: Point, distance: f64) -> Corner {
+/// The corner between two directions, for a tool at this distance. Where the contour goes back the way it came, the sense decides in
+/// which it bends there: that of the next segment, or of the one before if the next is straight.
+pub(crate) fn corner(before: Point, behind: Point, bend: Option<Sense>, distance: f64) -> Corner {
     let turn = cross(before, behind).atan2(dot(before, behind)) * distance.signum();
+    let goes_back = turn.abs() >= PI - SMOOTH_RAD;
+    let bends_away = bend.is_some_and(|sense| sense.sign() * distance < 0.0);
     if turn.abs() <= SMOOTH_RAD {
         Corner::Smooth
-    } else if turn < 0.0 || turn >= PI - SMOOTH_RAD {
+    } else if if goes_back { !bends_away } else { turn < 0.0 } {
         Corner::Outer
     } else {
         Corner::Inner
