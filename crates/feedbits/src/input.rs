@@ -7,11 +7,13 @@ use clap::Args;
 use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 use domains::options::START;
 use format_compare::{Problem, Refusal};
-use part_program::{Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Severity, Unit};
+use part_program::{
+    Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Severity, ToolTable, Unit,
+};
 use secant_interp::crc32;
 
 use crate::files::{MOST_OF_PART, bytes, taken};
-use crate::{candidates, claims, output, presets};
+use crate::{candidates, claims, files, output, presets};
 
 /// The example that runs when no part is named: paper A's curve and machine.
 const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
@@ -43,6 +45,10 @@ pub(crate) struct Input {
     /// The unit of a part program's lengths until a word names one: mm or inch.
     #[arg(long, value_name = "UNIT")]
     units: Option<Unit>,
+    /// Tool table for the radii of cutter compensation, G41 and G42: LinuxCNC's, in the unit of --units, or CSV with columns tool and
+    /// diameter_mm (or radius_mm, diameter_inch, radius_inch); at most 1 MiB.
+    #[arg(long, value_name = "FILE")]
+    tools: Option<PathBuf>,
 }
 
 /// Reads `X,Y,Z`.
@@ -78,19 +84,23 @@ pub(crate) struct Text {
     pub(crate) name: String,
     bytes: Vec<u8>,
     options: ReadOptions,
+    tools: ToolTable,
 }
 
 impl Text {
     /// The part, or the errors in the text.
     pub(crate) fn parsed(&self) -> Result<Part, Diagnostics> {
-        part_program::read_part_bytes(&self.name, &self.bytes, self.options)
+        part_program::read_part_bytes_with(&self.name, &self.bytes, self.options, &self.tools)
     }
 
     /// A checksum of what the text says: of its bytes, with lines that end alike on every system, and of the options by which it
     /// is read.
     pub(crate) fn checksum(&self) -> u32 {
         let ReadOptions { dialect, lenient, start_mm, unit } = self.options;
-        let options = format!("{:?} {lenient} {start_mm:?} {unit:?}", dialect.map(Dialect::name));
+        let mut options = format!("{:?} {lenient} {start_mm:?} {unit:?}", dialect.map(Dialect::name));
+        for (tool, diameter) in self.tools.tools() {
+            options += &format!(" {tool} {diameter:?}");
+        }
         let text = self.bytes.iter().copied().filter(|byte| *byte != b'\r');
         crc32(&text.chain(options.bytes()).collect::<Vec<_>>())
     }
@@ -171,7 +181,14 @@ impl Input {
             Some(path) => (path.display().to_string(), bytes("the part", path, MOST_OF_PART)?),
             None => ("built-in example".to_string(), EXAMPLE.into()),
         };
-        Ok(Text { name, bytes, options })
+        Ok(Text { name, bytes, options, tools: self.tool_table()? })
+    }
+
+    /// The tool table that the options name, or an empty one.
+    fn tool_table(&self) -> Result<ToolTable> {
+        let Some(path) = &self.tools else { return Ok(ToolTable::default()) };
+        let text = files::text("--tools", path, files::MOST_OF_SMALL)?;
+        Ok(ToolTable::read(&path.display().to_string(), &text, self.units.unwrap_or(Unit::Millimetre))?)
     }
 
     /// The machine that the options name, or that the part's file contains.

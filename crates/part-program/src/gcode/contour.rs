@@ -139,7 +139,8 @@ impl Segment {
         found.min_by(|a, b| self.way_to_end(*a).total_cmp(&self.way_to_end(*b)))
     }
 
-    /// The points at which the lines or circles of two segments meet.
+    /// The points at which the lines or circles of two segments meet. Of an arc whose two ends are off one circle by the rounding of its
+    /// numbers, the circle is that of the end, as LinuxCNC's is.
     fn meetings(&self, other: &Self) -> [Option<Point>; 2] {
         match (self.about, other.about) {
             (None, None) => {
@@ -148,7 +149,7 @@ impl Segment {
                 [Some([self.end[0] + share * a[0], self.end[1] + share * a[1]]), None]
             }
             (None, Some((centre, _))) => {
-                let radius = length(minus(other.start, centre));
+                let radius = length(minus(other.end, centre));
                 line_and_circle(self.end, self.direction(self.end), centre, radius)
             }
             (Some((centre, _)), None) => {
@@ -158,7 +159,7 @@ impl Segment {
             (Some((one, _)), Some((two, _))) => {
                 let between = minus(two, one);
                 let apart = length(between);
-                let (r, s) = (length(minus(self.end, one)), length(minus(other.start, two)));
+                let (r, s) = (length(minus(self.end, one)), length(minus(other.end, two)));
                 if apart == 0.0 {
                     return [None; 2];
                 }
