@@ -95,7 +95,8 @@ impl ToolTable {
                 let at = start + (word.as_ptr() as usize - line.as_ptr() as usize);
                 let span = Span::new(at, at + word.len());
                 let letter = word.bytes().next().map_or(0, |letter| letter.to_ascii_uppercase());
-                let value = word.get(1..).and_then(|number| number.parse::<f64>().ok()).filter(|x| x.is_finite());
+                let value =
+                    word.get(1..).and_then(|number| number.parse::<f64>().ok()).filter(|x| x.is_finite());
                 match value.filter(|_| LETTERS.contains(&letter)) {
                     Some(value) if letter == b'T' => tool = Some((value, span)),
                     Some(value) if letter == b'D' => diameter = value,
@@ -109,7 +110,9 @@ impl ToolTable {
             }
             match tool {
                 Some((tool, span)) => {
-                    if let Some(tool) = self.add(report, span, tool, diameter * unit).filter(|_| orientation != 0.0) {
+                    if let Some(tool) =
+                        self.add(report, span, tool, diameter * unit).filter(|_| orientation != 0.0)
+                    {
                         self.of_lathe.insert(tool);
                     }
                 }
@@ -149,7 +152,9 @@ impl ToolTable {
             match (cell(number), cell(diameter)) {
                 (Some(tool), Some(value)) => drop(self.add(report, span, tool, value * unit)),
                 _ => {
-                    report.error(span, "a row without its two numbers").expected("the tool's number and its size");
+                    report
+                        .error(span, "a row without its two numbers")
+                        .expected("the tool's number and its size");
                 }
             }
         }

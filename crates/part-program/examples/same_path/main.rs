@@ -121,8 +121,9 @@ fn bytes(which: &str, file: &str) -> Result<Vec<u8>, Fault> {
 
 fn tools(file: &str) -> Result<ToolTable, Fault> {
     let text = bytes("tools", file)?;
-    ToolTable::read(file, &String::from_utf8_lossy(&text), Unit::Inch)
-        .map_err(|errors| Fault::NotRead(format!("not read\ttools\t{}", errors.to_string().replace(['\t', '\n'], " "))))
+    ToolTable::read(file, &String::from_utf8_lossy(&text), Unit::Inch).map_err(|errors| {
+        Fault::NotRead(format!("not read\ttools\t{}", errors.to_string().replace(['\t', '\n'], " ")))
+    })
 }
 
 fn part(

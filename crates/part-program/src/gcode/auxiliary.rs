@@ -15,8 +15,7 @@ impl Reader<'_, '_, '_> {
         let mut ends = false;
         let changes_tool =
             block.words().iter().any(|word| word.key == Key::Letter(b'M') && word.value == 6.0);
-        let is_named =
-            |word: &&Word| word.key == Key::Letter(b'Q') && block.words().iter().any(|m| is_m61(m));
+        let is_named = |word: &&Word| word.key == Key::Letter(b'Q') && block.words().iter().any(is_m61);
         if let Some(word) = block.words().iter().find(is_named) {
             self.tool.loaded = Some(word.value);
         }

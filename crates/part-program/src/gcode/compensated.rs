@@ -16,7 +16,12 @@ use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
     /// G41, G42, G41.1 and G42.1. It is not read without the radius of the tool.
-    pub(crate) fn begin_compensation(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> Result<(), ()> {
+    pub(crate) fn begin_compensation(
+        &mut self,
+        block: &mut Block<'_>,
+        word: Word,
+        tenths: u16,
+    ) -> Result<(), ()> {
         let span = word.span;
         if self.compensation.is_some() || self.modal.plane == Plane::Yz {
             let (said, expected) = match self.compensation {
@@ -67,7 +72,9 @@ impl Reader<'_, '_, '_> {
         let written = d.map(|word| word.value).or(self.tool.offset).filter(|number| *number != 0.0);
         let Some(number) = written.or(self.tool.loaded).filter(|number| *number != 0.0) else {
             let message = "no tool is named: the contour itself is followed, as LinuxCNC does";
-            self.report.of_kind(false, word.span, "no tool", message).expected("D with the number of a tool, or T and M6");
+            self.report
+                .of_kind(false, word.span, "no tool", message)
+                .expected("D with the number of a tool, or T and M6");
             return Some(0.0);
         };
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole, 0 ..= 99,999,999")]
@@ -80,7 +87,11 @@ impl Reader<'_, '_, '_> {
         let diameter = tool.and_then(|tool| self.tools.diameter_mm(tool));
         if diameter.is_none() {
             let message = format!("the radius of tool {} is not known", shown(number));
-            self.unread_or_error(word.span, message, "a tool table with this tool, `--tools FILE`, or G41.1 with the diameter as D");
+            self.unread_or_error(
+                word.span,
+                message,
+                "a tool table with this tool, `--tools FILE`, or G41.1 with the diameter as D",
+            );
         }
         diameter
     }
@@ -101,7 +112,13 @@ impl Reader<'_, '_, '_> {
     }
 
     /// Follows a straight move of the contour.
-    pub(crate) fn compensated_line(&mut self, ends: [[f64; 3]; 2], kind: MoveKind, feed: Option<f64>, span: Span) {
+    pub(crate) fn compensated_line(
+        &mut self,
+        ends: [[f64; 3]; 2],
+        kind: MoveKind,
+        feed: Option<f64>,
+        span: Span,
+    ) {
         let what = What { kind, feed, place: self.place(span), end: self.end, rests: false };
         self.follow_contour(ContourMove { start: ends[0], end: ends[1], about: None, beside: what }, span);
     }
@@ -132,7 +149,10 @@ impl Reader<'_, '_, '_> {
         let between = last_line.map_or(String::new(), |last| format!(" between lines {last} and {line}"));
         let (message, expected) = match fault {
             Fault::EntryTooShort { length } => (
-                format!("the first move of the compensation is {} mm long, and the radius of the tool {radius} mm", shown(length)),
+                format!(
+                    "the first move of the compensation is {} mm long, and the radius of the tool {radius} mm",
+                    shown(length)
+                ),
                 "a first move that is longer than the radius",
             ),
             Fault::NoArcIn => (
@@ -144,7 +164,9 @@ impl Reader<'_, '_, '_> {
                 "a radius of the arc above that of the tool",
             ),
             Fault::NotReached => (
-                format!("a tool of radius {radius} mm does not reach the inner corner{between}: a move is too short for it"),
+                format!(
+                    "a tool of radius {radius} mm does not reach the inner corner{between}: a move is too short for it"
+                ),
                 "longer moves, or a smaller tool",
             ),
         };
@@ -186,7 +208,12 @@ impl Reader<'_, '_, '_> {
             return false;
         }
         self.report
-            .of_kind(true, span, format!("{what} compensated"), format!("{what} while the cutter is compensated"))
+            .of_kind(
+                true,
+                span,
+                format!("{what} compensated"),
+                format!("{what} while the cutter is compensated"),
+            )
             .expected("G40 before it");
         true
     }
@@ -195,10 +222,17 @@ impl Reader<'_, '_, '_> {
     pub(crate) fn motion_is_barred(&mut self, block: &Block<'_>) -> bool {
         let is_taken = matches!(
             self.modal.motion,
-            Motion::None | Motion::Rapid | Motion::Line | Motion::Arc { .. } | Motion::Unread | Motion::Broken
+            Motion::None
+                | Motion::Rapid
+                | Motion::Line
+                | Motion::Arc { .. }
+                | Motion::Unread
+                | Motion::Broken
         );
-        let has_corner =
-            block.words().iter().any(|word| matches!(word.key, Key::CornerRadius | Key::CornerDistance | Key::Chamfer));
+        let has_corner = block
+            .words()
+            .iter()
+            .any(|word| matches!(word.key, Key::CornerRadius | Key::CornerDistance | Key::Chamfer));
         if is_taken && !has_corner {
             return false;
         }

@@ -161,7 +161,12 @@ impl Compensation {
                     Corner::Smooth => (way, self.at().map_or(start, in_plane), whole),
                     Corner::Outer => {
                         done.append(&mut self.waiting);
-                        done.extend(self.around_corner(done.last(), start, lifted(way.start, low), one.beside));
+                        done.extend(self.around_corner(
+                            done.last(),
+                            start,
+                            lifted(way.start, low),
+                            one.beside,
+                        ));
                         (way, way.start, whole)
                     }
                     Corner::Inner => {
@@ -182,7 +187,11 @@ impl Compensation {
     /// The way of the first move, and the length before its end in which it may end earlier.
     fn entry(&self, contour: &Segment, here: Point) -> Result<(Segment, f64), Fault> {
         if contour.about.is_some() {
-            contour.beside(self.distance).ok_or(Fault::ArcTooSmall)?;
+            // LinuxCNC wants it on both sides of the arc.
+            let fits = [-1.0, 1.0].iter().all(|side| contour.beside(side * self.distance).is_some());
+            if !fits {
+                return Err(Fault::ArcTooSmall);
+            }
             let way = arc_into(here, contour, self.distance).ok_or(Fault::NoArcIn)?;
             return Ok((way, way.length()));
         }
@@ -195,7 +204,13 @@ impl Compensation {
     }
 
     /// The move around an outer corner, from the end of the last move to the start of the next way.
-    fn around_corner(&self, last: Option<&Beside>, corner: Point, to: [f64; 3], what: What) -> Option<Beside> {
+    fn around_corner(
+        &self,
+        last: Option<&Beside>,
+        corner: Point,
+        to: [f64; 3],
+        what: What,
+    ) -> Option<Beside> {
         let [first, second, _] = self.plane.axes();
         let from = last?.to;
         let sense = if self.distance > 0.0 { Sense::Clockwise } else { Sense::Counterclockwise };
@@ -234,7 +249,8 @@ impl Beside {
         let angle = angle_between(around.centre, in_plane(self.from), in_plane(self.to), around.sense);
         let radius = radius(around.centre, in_plane(self.from));
         // The ends alone leave a full turn open.
-        let is_turned_on = (angle + std::f64::consts::TAU - around.angle).abs() < (angle - around.angle).abs();
+        let is_turned_on =
+            (angle + std::f64::consts::TAU - around.angle).abs() < (angle - around.angle).abs();
         let is_next_to_nothing = angle * radius <= FULL_TURN_MM;
         let turns = match (is_turned_on, is_next_to_nothing) {
             (false, true) if around.turns == 1 => return None,

@@ -52,7 +52,9 @@ impl Reader<'_, '_, '_> {
         let message = match code(word.value) {
             Some(410 | 420) => {
                 let control = self.options.dialect.map_or("this control", Dialect::name);
-                format!("cutter compensation, `{text}`, is not read: {control} begins it and passes corners otherwise than LinuxCNC")
+                format!(
+                    "cutter compensation, `{text}`, is not read: {control} begins it and passes corners otherwise than LinuxCNC"
+                )
             }
             Some(870) => {
                 format!("`{text}` bores from behind, with a shift that the machine directs: it is not read")

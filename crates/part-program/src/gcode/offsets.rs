@@ -39,7 +39,10 @@ impl Reader<'_, '_, '_> {
     /// Executes a block whose coordinates are not the end of a move.
     pub(crate) fn place_coordinates(&mut self, block: &mut Block<'_>, placing: Placing, span: Span) {
         let is_of_tools = placing == Placing::SetOffset
-            && block.words().iter().any(|word| word.key == Key::Letter(b'L') && ![2.0, 20.0].contains(&word.value));
+            && block
+                .words()
+                .iter()
+                .any(|word| word.key == Key::Letter(b'L') && ![2.0, 20.0].contains(&word.value));
         if placing != Placing::Ignored && !is_of_tools {
             let text = self.report.source.slice(span).to_owned();
             if self.is_barred(span, &format!("`{text}`")) {

@@ -45,9 +45,8 @@ pub(crate) fn act_of_name(name: &str, is_bare: bool) -> Option<NameAct> {
             Some(Begins(Ender::NoTransformation))
         }
         "TRAFOOF" => Some(Ends(Ender::NoTransformation)),
-        "TOROT" | "TOROTX" | "TOROTY" | "TOROTZ" | "TOFRAME" | "TOFRAMEX" | "TOFRAMEY" | "TOFRAMEZ" | "PAROT" => {
-            Some(Begins(Ender::NoToolFrame))
-        }
+        "TOROT" | "TOROTX" | "TOROTY" | "TOROTZ" | "TOFRAME" | "TOFRAMEX" | "TOFRAMEY" | "TOFRAMEZ"
+        | "PAROT" => Some(Begins(Ender::NoToolFrame)),
         "TOROTOF" | "PAROTOF" => Some(Ends(Ender::NoToolFrame)),
         "DIAMON" | "DIAM90" => Some(Begins(Ender::NoDiameter)),
         "DIAMOF" => Some(Ends(Ender::NoDiameter)),

@@ -4,7 +4,8 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
 use part_program::{
-    Dialect, MoveKind, Part, ReadOptions, Shape, ToolTable, Unit, inspect, read_part_bytes_with, read_part_with,
+    Dialect, MoveKind, Part, ReadOptions, Shape, ToolTable, Unit, inspect, read_part_bytes_with,
+    read_part_with,
 };
 
 const LINUXCNC: ReadOptions =
@@ -40,17 +41,30 @@ fn each_kind_of_corner_is_passed_as_drawn() {
         // An inner corner, an outer one and the way back.
         (
             "G41.1 D2\nG1 X10 Y0\nX10 Y10\nX20\nY20\nG40\nX30\n",
-            &[[9.0, 1.0, 0.0], [9.0, 10.0, 0.0], [10.0, 11.0, 0.0], [19.0, 11.0, 0.0], [19.0, 20.0, 0.0], [30.0, 20.0, 0.0]],
+            &[
+                [9.0, 1.0, 0.0],
+                [9.0, 10.0, 0.0],
+                [10.0, 11.0, 0.0],
+                [19.0, 11.0, 0.0],
+                [19.0, 20.0, 0.0],
+                [30.0, 20.0, 0.0],
+            ],
         ),
         // A rapid move cuts the outer corner off.
-        ("G42.1 D2\nG0 X10\nY10\nG40\nG0 Y30\n", &[[10.0, -1.0, 0.0], [11.0, 0.0, 0.0], [11.0, 10.0, 0.0], [10.0, 30.0, 0.0]]),
+        (
+            "G42.1 D2\nG0 X10\nY10\nG40\nG0 Y30\n",
+            &[[10.0, -1.0, 0.0], [11.0, 0.0, 0.0], [11.0, 10.0, 0.0], [10.0, 30.0, 0.0]],
+        ),
         // Across the plane the tool stays where the next move of the plane has it.
         (
             "G41.1 D2\nG1 X10\nZ4\nZ3\nY10 Z1\nG40\nG0 Z9\n",
             &[[9.0, 1.0, 0.0], [9.0, 1.0, 4.0], [9.0, 1.0, 3.0], [9.0, 10.0, 1.0], [10.0, 10.0, 9.0]],
         ),
         // Into an arc: its centre is on the line through its end and the contour's centre, as far from the start as from the end.
-        ("G42.1 D2\nG2 X10 Y10 I10 J0\nG1 X30\nG40\nX40\n", &[[10.0, 9.0, 0.0], [30.0, 9.0, 0.0], [40.0, 10.0, 0.0]]),
+        (
+            "G42.1 D2\nG2 X10 Y10 I10 J0\nG1 X30\nG40\nX40\n",
+            &[[10.0, 9.0, 0.0], [30.0, 9.0, 0.0], [40.0, 10.0, 0.0]],
+        ),
         // A line that meets a circle: radius 9 about (10, 10), 1 below the line Y 10.
         (
             "G41.1 D2\nG1 X10\nG3 X20 Y10 J10\nG1 X0\nG40\nX-9\n",
@@ -59,32 +73,40 @@ fn each_kind_of_corner_is_passed_as_drawn() {
         // Two circles that meet: radius 6 about (15, 0) and (25, 0), on the line between.
         (
             "G41.1 D2\nG1 X10\nG2 X20 I5\nG2 X30 I5\nG40 G1 X50\n",
-            &[
-                [15.0 - sqrt(35.0), 1.0, 0.0],
-                [20.0, sqrt(11.0), 0.0],
-                [31.0, 0.0, 0.0],
-                [50.0, 0.0, 0.0],
-            ],
+            &[[15.0 - sqrt(35.0), 1.0, 0.0], [20.0, sqrt(11.0), 0.0], [31.0, 0.0, 0.0], [50.0, 0.0, 0.0]],
         ),
         // Full turns keep their turns, and a helix its height.
-        ("G41.1 D2\nG1 X10\nG3 J5 P2 Z-3\nG1 X20\nG40 X30\n", &[[10.0, 1.0, 0.0], [10.0, 1.0, -3.0], [20.0, 1.0, -3.0], [30.0, 0.0, -3.0]]),
+        (
+            "G41.1 D2\nG1 X10\nG3 J5 P2 Z-3\nG1 X20\nG40 X30\n",
+            &[[10.0, 1.0, 0.0], [10.0, 1.0, -3.0], [20.0, 1.0, -3.0], [30.0, 0.0, -3.0]],
+        ),
         // Back the way it came, around the end.
         (
             "G41.1 D2\nG1 X10\nX0\nG40 X-9\n",
             &[[10.0, 1.0, 0.0], [10.0, -1.0, 0.0], [0.0, -1.0, 0.0], [-9.0, 0.0, 0.0]],
         ),
         // G18: Z is to X what X is to Y.
-        ("G18 G42.1 D2\nG1 Z10\nX10\nG40 X30\n", &[[-1.0, 0.0, 10.0], [0.0, 0.0, 11.0], [10.0, 0.0, 11.0], [30.0, 0.0, 10.0]]),
+        (
+            "G18 G42.1 D2\nG1 Z10\nX10\nG40 X30\n",
+            &[[-1.0, 0.0, 10.0], [0.0, 0.0, 11.0], [10.0, 0.0, 11.0], [30.0, 0.0, 10.0]],
+        ),
         // A negative diameter is the other side.
         ("G41.1 D-2\nG1 X10\nX20\nG40 X30\n", &[[10.0, -1.0, 0.0], [20.0, -1.0, 0.0], [30.0, 0.0, 0.0]]),
         // Increments count from the contour, and inches are of D too.
-        ("G91 G20 G42.1 D[2/25.4]\nG21 G1 X10\nX10\nG40 X10\n", &[[10.0, -1.0, 0.0], [20.0, -1.0, 0.0], [30.0, 0.0, 0.0]]),
+        (
+            "G91 G20 G42.1 D[2/25.4]\nG21 G1 X10\nX10\nG40 X10\n",
+            &[[10.0, -1.0, 0.0], [20.0, -1.0, 0.0], [30.0, 0.0, 0.0]],
+        ),
         // It ends with the program.
         ("G41.1 D2\nG1 X10\nY10\nM2\n", &[[9.0, 1.0, 0.0], [9.0, 10.0, 0.0]]),
         // One turn below 0.05 rad is none, and one above it is.
         (
             "G41.1 D2\nG1 X10\nX20 Y-0.4\nG40 X40\n",
-            &[[10.0, 1.0, 0.0], [20.0 + 0.4 / sqrt(100.16), -0.4 + 10.0 / sqrt(100.16), 0.0], [40.0, -0.4, 0.0]],
+            &[
+                [10.0, 1.0, 0.0],
+                [20.0 + 0.4 / sqrt(100.16), -0.4 + 10.0 / sqrt(100.16), 0.0],
+                [40.0, -0.4, 0.0],
+            ],
         ),
     ];
     for (text, expected) in cases {
@@ -96,11 +118,14 @@ fn each_kind_of_corner_is_passed_as_drawn() {
 /// An arc beside an arc has its centre and a radius that is less or greater by that of the tool.
 #[test]
 fn arcs_keep_their_centre() {
-    for (side, word, radius) in [("41.1", "G3", 3.5), ("42.1", "G3", 6.5), ("41.1", "G2", 6.5), ("42.1", "G2", 3.5)] {
+    for (side, word, radius) in
+        [("41.1", "G3", 3.5), ("42.1", "G3", 6.5), ("41.1", "G2", 6.5), ("42.1", "G2", 3.5)]
+    {
         let j = if word == "G3" { 5 } else { -5 };
         let text = format!("G21 G17 F60\nG0 X-20 Y0 Z0\nG{side} D3\nG1 X0\n{word} J{j}\nG1 X20\nG40 X40\n");
         let part = read(&text);
-        let arcs: Vec<_> = (0..part.moves.len()).filter(|index| part.moves[*index].shape == Shape::Arc).collect();
+        let arcs: Vec<_> =
+            (0..part.moves.len()).filter(|index| part.moves[*index].shape == Shape::Arc).collect();
         assert_eq!(arcs.len(), 1, "{text}");
         let curve = &part.curves[arcs[0]];
         let points = curve.control_points_mm().iter().step_by(2);
@@ -131,7 +156,8 @@ fn the_way_around_and_within_convex_polygons_is_as_long_as_it_must_be() {
     for number in 0..40 {
         let corners = 3 + number % 5;
         let step = TAU / f64::from(corners);
-        let angles: Vec<_> = (0..corners).map(|corner| (f64::from(corner) + draw.between(-0.3, 0.3)) * step).collect();
+        let angles: Vec<_> =
+            (0..corners).map(|corner| (f64::from(corner) + draw.between(-0.3, 0.3)) * step).collect();
         let size = draw.between(30.0, 90.0);
         let vertices: Vec<_> = angles.iter().map(|angle| [size * angle.cos(), size * angle.sin()]).collect();
         let side = |index: usize| {
@@ -149,7 +175,12 @@ fn the_way_around_and_within_convex_polygons_is_as_long_as_it_must_be() {
         let along = first.map(|x| 20.0 * x / first[0].hypot(first[1]));
         let middle = [vertices[0][0] + first[0] / 2.0, vertices[0][1] + first[1] / 2.0];
         for (word, is_outside) in [("G42.1", true), ("G41.1", false)] {
-            let mut text = format!("G21 G90 F60\nG0 X{} Y{} Z0\n{word} D{}\n", middle[0] - along[0], middle[1] - along[1], 2.0 * radius);
+            let mut text = format!(
+                "G21 G90 F60\nG0 X{} Y{} Z0\n{word} D{}\n",
+                middle[0] - along[0],
+                middle[1] - along[1],
+                2.0 * radius
+            );
             let _ = writeln!(text, "G1 X{} Y{}", middle[0], middle[1]);
             for [x, y] in vertices[1..].iter().chain(&vertices[..1]).chain([&middle]) {
                 let _ = writeln!(text, "X{x} Y{y}");
@@ -168,11 +199,14 @@ fn the_way_around_and_within_convex_polygons_is_as_long_as_it_must_be() {
 fn the_way_along_a_slot_is_as_long_as_it_must_be() {
     let mut draw = Draw(7);
     for _ in 0..12 {
-        let (half, length, radius) = (draw.between(4.0, 20.0), draw.between(5.0, 60.0), draw.between(0.05, 3.9));
+        let (half, length, radius) =
+            (draw.between(4.0, 20.0), draw.between(5.0, 60.0), draw.between(0.05, 3.9));
         for (word, sign) in [("G42.1", 1.0), ("G41.1", -1.0)] {
             let text = format!(
                 "G21 G90 F60\nG0 X-30 Y{0} Z0\n{word} D{1}\nG1 X0\nX{2}\nG3 Y{half} J{half}\nG1 X0\nG3 Y{0} J{0}\nG1 X1\nG40 X31\n",
-                -half, 2.0 * radius, length,
+                -half,
+                2.0 * radius,
+                length,
             );
             let expected = 2.0 * length + TAU * (half + sign * radius) + 30.0_f64.hypot(radius) * 2.0 + 1.0;
             let found = inspect(&read(&text)).length_mm;
@@ -208,8 +242,13 @@ fn what_cannot_be_compensated_is_refused() {
         assert!(said_of.contains(place) && said_of.contains(said), "{text}: {said_of}");
     }
     for (text, said) in [
-        ("G41.1 D2\nG1 X1\n", "the first move of the compensation is 1 mm long, and the radius of the tool 1 mm"),
+        (
+            "G41.1 D2\nG1 X1\n",
+            "the first move of the compensation is 1 mm long, and the radius of the tool 1 mm",
+        ),
         ("G41.1 D2\nG1 Z5\n", "the first move of the compensation is 0 mm long"),
+        ("G41.1 D4\nG3 X2 Y2 J2\n", "a tool of radius 2 mm does not fit into this arc"),
+        ("G42.1 D4\nG3 X2 Y2 J2\n", "a tool of radius 2 mm does not fit into this arc"),
         ("G19 G41.1 D2\n", "not compensated in the plane of Y and Z"),
         ("G41.1\nG1 X9\n", "`G41.1` without the diameter of the tool"),
         ("G41 D3\nG1 X9\n", "the radius of tool 3 is not known"),
@@ -224,7 +263,11 @@ fn what_cannot_be_compensated_is_refused() {
         let text = "G21 G90 F60\nG0 X0 Y0 Z0\nG41 D1\nG1 X10\nX20\nG40 X30\nX40\n";
         let said = read_part_with("p.nc", text, options).unwrap_err().to_string();
         assert!(said.contains("cutter compensation, `G41`, is not read"), "{said}");
-        let kept = read_part_with("p.nc", &text.replace("X40\n", "X40 Y0 Z0\nX50\n"), ReadOptions { lenient: true, ..options });
+        let kept = read_part_with(
+            "p.nc",
+            &text.replace("X40\n", "X40 Y0 Z0\nX50\n"),
+            ReadOptions { lenient: true, ..options },
+        );
         let lines: Vec<_> = kept.unwrap().moves.iter().map(|one| one.line).collect();
         assert_eq!(lines, [8], "the moves from G41 to G40 are left out");
     }
@@ -239,7 +282,8 @@ fn the_radius_is_that_of_the_tool() {
     assert_eq!(ToolTable::read("tools.csv", csv, Unit::Inch).unwrap(), table);
     let offset = |text: &str| {
         let text = format!("G21 G90 F60\nG0 X0 Y0 Z0\n{text}\nG1 X20\nX30\n");
-        let part = read_part_bytes_with("p.ngc", text.as_bytes(), LINUXCNC, &table).unwrap_or_else(|errors| panic!("{text}{errors}"));
+        let part = read_part_bytes_with("p.ngc", text.as_bytes(), LINUXCNC, &table)
+            .unwrap_or_else(|errors| panic!("{text}{errors}"));
         part.curves.last().unwrap().control_points_mm()[1][1]
     };
     for (text, expected) in [
@@ -284,11 +328,8 @@ fn the_radius_is_that_of_the_tool() {
 fn rests_and_feeds_stay_with_their_moves() {
     let text = "G21 G90 F60\nG0 X0 Y0 Z0\nG41.1 D2\nG1 X10\nX20\nG4 P1\nY20 F120\nM8\nX40\nG40 X60\n";
     let part = read(text);
-    let found: Vec<_> = part
-        .moves
-        .iter()
-        .map(|one| (one.line, one.shape, one.exact_stop, one.feedrate_mm_per_s))
-        .collect();
+    let found: Vec<_> =
+        part.moves.iter().map(|one| (one.line, one.shape, one.exact_stop, one.feedrate_mm_per_s)).collect();
     assert_eq!(
         found,
         [
@@ -311,7 +352,8 @@ fn rests_and_feeds_stay_with_their_moves() {
 fn lenient_reading_leaves_out_what_it_cannot_compensate() {
     let lenient = ReadOptions { lenient: true, ..ReadOptions::default() };
     let head = "G21 G90 F60\nG0 X0 Y0 Z0\n";
-    let part = read_part_with("p.nc", &format!("{head}G41.1 D2\nG1 X10\nX20\n"), ReadOptions::default()).unwrap();
+    let part =
+        read_part_with("p.nc", &format!("{head}G41.1 D2\nG1 X10\nX20\n"), ReadOptions::default()).unwrap();
     assert!(part.warnings.iter().any(|said| said.message.contains("is read as LinuxCNC compensates")));
     let cuts = |text: &str| {
         let part = read_part_with("p.nc", &format!("{head}{text}"), lenient).unwrap();

@@ -59,8 +59,13 @@ fn each_frame_ends_by_its_own_word() {
         ("SCALE X2\nTRANSMIT", "TRAFOOF", "SCALE"),
         ("MCALL CYCLE81(5, 0, 1, -3)\nCYCLE800(1, 2)", "MCALL", "CYCLE800()"),
     ] {
-        let text = format!("{head}{frames}\nX20 Y0 Z0\n{first_ends}\nX5 Y5 Z5\nX6\n{second_ends}\nX0 Y0 Z0\nX1\n");
-        assert_eq!(cuts(&read(&text, true)), [(3, [10.0, 0.0, 0.0]), (text.lines().count(), [1.0, 0.0, 0.0])], "{text}");
+        let text =
+            format!("{head}{frames}\nX20 Y0 Z0\n{first_ends}\nX5 Y5 Z5\nX6\n{second_ends}\nX0 Y0 Z0\nX1\n");
+        assert_eq!(
+            cuts(&read(&text, true)),
+            [(3, [10.0, 0.0, 0.0]), (text.lines().count(), [1.0, 0.0, 0.0])],
+            "{text}"
+        );
     }
     // What is added to a frame that is not read ends with it.
     let text = format!("{head}SCALE X2\nATRANS X5\nX0 Y0 Z0\nX1\nTRANS\nX0 Y0 Z0\nX1\n");
@@ -88,8 +93,14 @@ fn moves_of_another_meaning_are_left_out() {
         ("G107 C20.", "G107 C0"),
         ("G16", "G15"),
     ] {
-        let text = format!("G21 G90\nG0 X0 Y0 Z0\nG1 X10 F300\n{begin}\nX20\nX30 Y0 Z0\nX40\n{end}\nG1 X0 Y0 Z0\nX1\n");
-        assert_eq!(cuts(&read(&text, true)), [(3, [10.0, 0.0, 0.0]), (text.lines().count(), [1.0, 0.0, 0.0])], "{text}");
+        let text = format!(
+            "G21 G90\nG0 X0 Y0 Z0\nG1 X10 F300\n{begin}\nX20\nX30 Y0 Z0\nX40\n{end}\nG1 X0 Y0 Z0\nX1\n"
+        );
+        assert_eq!(
+            cuts(&read(&text, true)),
+            [(3, [10.0, 0.0, 0.0]), (text.lines().count(), [1.0, 0.0, 0.0])],
+            "{text}"
+        );
     }
 }
 
@@ -137,7 +148,10 @@ fn an_arc_does_not_go_on_from_a_move_that_was_left_out() {
 fn an_increment_from_no_place_is_refused() {
     let text = "G90 G71\nG0 Y0 Z0\nG1 X=IC(5) F300\nX10\n";
     let errors = read_part_with("p.mpf", text, ReadOptions::default()).unwrap_err().to_string();
-    assert!(errors.contains("p.mpf:3:4") && errors.contains("counts from a place that is not known"), "{errors}");
+    assert!(
+        errors.contains("p.mpf:3:4") && errors.contains("counts from a place that is not known"),
+        "{errors}"
+    );
     // A lenient reader moves only once the axis is named.
     let text = "G90 G71\nG0 Y0 Z0\nG1 X=IC(5) F300\nX10\nX12\n";
     assert_eq!(cuts(&read(text, true)), [(5, [12.0, 0.0, 0.0])]);
@@ -145,7 +159,10 @@ fn an_increment_from_no_place_is_refused() {
     let options = ReadOptions { start_mm: Some([1.0, 0.0, 0.0]), ..ReadOptions::default() };
     let part = read_part_with("p.mpf", "G90 G71\nG1 X=IC(5) F300\n", options).unwrap();
     assert_eq!(cuts(&part), [(2, [6.0, 0.0, 0.0])]);
-    assert_eq!(cuts(&read("G91 F300\nG1 X=AC(5) Y2\nX1\n", false)), [(2, [5.0, 2.0, 0.0]), (3, [6.0, 2.0, 0.0])]);
+    assert_eq!(
+        cuts(&read("G91 F300\nG1 X=AC(5) Y2\nX1\n", false)),
+        [(2, [5.0, 2.0, 0.0]), (3, [6.0, 2.0, 0.0])]
+    );
 }
 
 /// A quarter and two turns of a helix, SINUMERIK's TRANS: the place is that of the shifted coordinates.

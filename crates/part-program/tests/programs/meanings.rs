@@ -136,8 +136,16 @@ fn a_word_of_a_printer_beside_a_move_leaves_it_its_axes() {
         assert_eq!(feeds(&part), [1.0], "{block}");
     }
     // Without a G word what stands before it is the move's, and all behind it is its own.
-    near(inspect(&read(&format!("{head}G1 X5 F60\nX20 M203 Y500 Z9\n"), ReadOptions::default())).length_mm, 20.0, "");
-    near(inspect(&read(&format!("{head}G1 X5 F60\nM203 X500 Y500\n"), ReadOptions::default())).length_mm, 5.0, "");
+    near(
+        inspect(&read(&format!("{head}G1 X5 F60\nX20 M203 Y500 Z9\n"), ReadOptions::default())).length_mm,
+        20.0,
+        "",
+    );
+    near(
+        inspect(&read(&format!("{head}G1 X5 F60\nM203 X500 Y500\n"), ReadOptions::default())).length_mm,
+        5.0,
+        "",
+    );
 }
 
 /// LinuxCNC's dwell takes P alone: coordinates of its block are those of the motion in force, which follows the dwell.
