@@ -22,7 +22,7 @@ const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
 #[derive(Args)]
 pub(crate) struct Input {
     /// Part: a curve file (TOML), a part program, what LinuxCNC's rs274 prints of one, a drawing (DXF) or geomdl's JSON, told by its
-    /// content; at most 64 MiB. `-` is the standard input. Default: the built-in example.
+    /// content; a program of at most 512 MiB, any other of at most 64 MiB. `-` is the standard input. Default: the built-in example.
     part: Option<PathBuf>,
     /// Machine: a preset's name, as `feedbits machine` lists them, or a file (TOML with a table `machine`). A file that is named as a
     /// preset is given with its folder, as ./mill. Default: the machine in the part's own file.

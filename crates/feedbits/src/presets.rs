@@ -58,7 +58,7 @@ pub(crate) fn read(path: &Path) -> Result<Machine> {
     if let Some(word) = word.filter(|_| !path.exists()) {
         bail!("--machine {word}: no such preset and no such file: {}", expected(word));
     }
-    let text = files::text("--machine", path, files::MOST_OF_PART)?;
+    let text = files::text("--machine", path, files::MOST_OF_MACHINE)?;
     Ok(part_program::read_machine(&path.display().to_string(), &text)?)
 }
 

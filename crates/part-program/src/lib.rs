@@ -96,7 +96,7 @@ pub use ratio_words::{NoLargestRatio, RatioLost, RatioWords};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
 pub use rest::Rest;
 pub use rounding::{Rounded, StandsStill};
-pub use text_length::MAX_TEXT;
+pub use text_length::{MAX_PROGRAM, MAX_TEXT};
 pub use toml_table::nearest;
 pub use tool_table::ToolTable;
 pub use write::{write_g1, write_g5_2, write_g06_2};
@@ -138,7 +138,7 @@ pub fn read_part_bytes_with(
     match std::str::from_utf8(bytes) {
         Ok(text) => read_text(name, text, options, tools),
         // Latin-1 at most doubles in length: a text that is too long is refused before it is copied.
-        Err(_) if bytes.len() > MAX_TEXT => Err(too_long(name, bytes.len())),
+        Err(_) if bytes.len() > MAX_PROGRAM => Err(too_long(name, bytes.len(), MAX_PROGRAM)),
         Err(_) => {
             let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
             read_text(name, &text, options, tools)
@@ -168,7 +168,9 @@ fn read_text(name: &str, text: &str, options: ReadOptions, tools: &ToolTable) ->
 
 /// Reads a part from a text whose lines end with LF.
 fn read_lines(name: &str, text: &str, options: ReadOptions, tools: &ToolTable) -> Result<Part, Diagnostics> {
-    let mut report = opened(name, text)?;
+    let is_program =
+        options.dialect == Some(Dialect::Canon) || canon::is_canon(text) || is_part_program(text, options);
+    let mut report = opened(name, text, if is_program { MAX_PROGRAM } else { MAX_TEXT })?;
     let mut part = Part { name: name.to_owned(), ..Part::default() };
     if let Some((format, hint)) = unread(text) {
         report
@@ -193,6 +195,12 @@ fn read_lines(name: &str, text: &str, options: ReadOptions, tools: &ToolTable) -
     }
     part.warnings = report.finish()?;
     Ok(part)
+}
+
+/// Whether a text is none of the other kinds.
+fn is_part_program(text: &str, options: ReadOptions) -> bool {
+    let is_other = text.trim_start().starts_with('{') || drawing::is_drawing(text);
+    !is_other && (options.dialect.is_some() || !is_toml(text))
 }
 
 /// The kinds of texts.

@@ -12,7 +12,7 @@ use toml::de::DeTable;
 use crate::diagnostic::{Diagnostics, Report};
 use crate::lean_toml::LeanToml;
 use crate::source::Span;
-use crate::text_length::opened;
+use crate::text_length::{MAX_TEXT, opened};
 use crate::toml_table::{self, TableReader};
 
 /// The limits under which a part is run.
@@ -141,7 +141,7 @@ pub struct AxisLimits {
 /// # Errors
 /// Every fault of the text, each at its place.
 pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
-    let mut report = opened(name, text)?;
+    let mut report = opened(name, text, MAX_TEXT)?;
     let rest = LeanToml::of(text).into_rest();
     let machine = toml_table::parse(&mut report, &rest).and_then(|document| {
         toml_table::refuse_unknown_tables(&mut report, document.get_ref());

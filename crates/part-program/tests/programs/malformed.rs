@@ -189,7 +189,7 @@ fn an_unknown_name_with_its_number_is_one_error() {
 
 #[test]
 fn a_text_beyond_the_limit_is_refused() {
-    let text = " ".repeat(part_program::MAX_TEXT + 1);
+    let text = format!("{{{}", " ".repeat(part_program::MAX_TEXT));
     let errors = read_part("p", &text).unwrap_err().to_string();
     assert!(errors.contains("the text has 67108865 bytes") && errors.contains("at most 64 MiB"), "{errors}");
 }
