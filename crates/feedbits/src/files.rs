@@ -6,12 +6,14 @@ use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use part_program::MAX_TEXT;
+use part_program::{MAX_PROGRAM, MAX_TEXT};
 
 use crate::claims;
 
-/// The largest part, or machine file, in bytes: the machine may stand in a curve file.
-pub(crate) const MOST_OF_PART: usize = MAX_TEXT;
+/// The largest part, in bytes.
+pub(crate) const MOST_OF_PART: usize = MAX_PROGRAM;
+/// The largest machine file: the machine may stand in a curve file.
+pub(crate) const MOST_OF_MACHINE: usize = MAX_TEXT;
 /// The largest servo or target file: each value takes some hundred bytes.
 pub(crate) const MOST_OF_SMALL: usize = 1 << 20;
 /// The largest result of an earlier run.

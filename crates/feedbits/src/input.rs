@@ -7,11 +7,13 @@ use clap::Args;
 use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 use domains::options::START;
 use format_compare::{Problem, Refusal};
-use part_program::{Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Severity, Unit};
+use part_program::{
+    Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Severity, ToolTable, Unit,
+};
 use secant_interp::crc32;
 
 use crate::files::{MOST_OF_PART, bytes, taken};
-use crate::{candidates, claims, output, presets};
+use crate::{candidates, claims, files, output, presets};
 
 /// The example that runs when no part is named: paper A's curve and machine.
 const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
@@ -20,7 +22,7 @@ const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
 #[derive(Args)]
 pub(crate) struct Input {
     /// Part: a curve file (TOML), a part program, what LinuxCNC's rs274 prints of one, a drawing (DXF) or geomdl's JSON, told by its
-    /// content; at most 64 MiB. `-` is the standard input. Default: the built-in example.
+    /// content; a program of at most 512 MiB, any other of at most 64 MiB. `-` is the standard input. Default: the built-in example.
     part: Option<PathBuf>,
     /// Machine: a preset's name, as `feedbits machine` lists them, or a file (TOML with a table `machine`). A file that is named as a
     /// preset is given with its folder, as ./mill. Default: the machine in the part's own file.
@@ -30,9 +32,11 @@ pub(crate) struct Input {
     /// by its splines, or by its lines.
     #[arg(long, value_name = "CONTROL", add = ArgValueCandidates::new(candidates::dialects))]
     dialect: Option<Dialect>,
-    /// Read over unknown words of a part program, with a warning each. A G word that is not read leaves the axes of its
-    /// block out, and where they are is unknown until a move in G90 names them; after a motion that is
-    /// not read, no axes are moved until a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
+    /// Read over unknown words of a part program, with a warning each. A block with a word that is not read is left out: it moves
+    /// nothing, and nothing moves behind it until blocks in G90 have named each axis whose place is unknown. Behind a name, a call or
+    /// a G word that no table has, that is every axis. After a word that turns, scales or mirrors coordinates, or changes what moves
+    /// mean, such as G68, G112 or TRANSMIT, nothing moves until the word that ends it. Other G words of the block, F, M, S, T, D and
+    /// H hold.
     #[arg(long)]
     lenient: bool,
     /// Where the tool is when a part program begins, in mm. Default: an axis begins where the program first sends it.
@@ -41,6 +45,10 @@ pub(crate) struct Input {
     /// The unit of a part program's lengths until a word names one: mm or inch.
     #[arg(long, value_name = "UNIT")]
     units: Option<Unit>,
+    /// Tool table for the radii of cutter compensation, G41 and G42: LinuxCNC's, in the unit of --units, or CSV with columns tool and
+    /// diameter_mm (or radius_mm, diameter_inch, radius_inch); at most 1 MiB.
+    #[arg(long, value_name = "FILE")]
+    tools: Option<PathBuf>,
 }
 
 /// Reads `X,Y,Z`.
@@ -76,19 +84,23 @@ pub(crate) struct Text {
     pub(crate) name: String,
     bytes: Vec<u8>,
     options: ReadOptions,
+    tools: ToolTable,
 }
 
 impl Text {
     /// The part, or the errors in the text.
     pub(crate) fn parsed(&self) -> Result<Part, Diagnostics> {
-        part_program::read_part_bytes(&self.name, &self.bytes, self.options)
+        part_program::read_part_bytes_with(&self.name, &self.bytes, self.options, &self.tools)
     }
 
     /// A checksum of what the text says: of its bytes, with lines that end alike on every system, and of the options by which it
     /// is read.
     pub(crate) fn checksum(&self) -> u32 {
         let ReadOptions { dialect, lenient, start_mm, unit } = self.options;
-        let options = format!("{:?} {lenient} {start_mm:?} {unit:?}", dialect.map(Dialect::name));
+        let mut options = format!("{:?} {lenient} {start_mm:?} {unit:?}", dialect.map(Dialect::name));
+        for (tool, diameter) in self.tools.tools() {
+            options += &format!(" {tool} {diameter:?}");
+        }
         let text = self.bytes.iter().copied().filter(|byte| *byte != b'\r');
         crc32(&text.chain(options.bytes()).collect::<Vec<_>>())
     }
@@ -169,7 +181,14 @@ impl Input {
             Some(path) => (path.display().to_string(), bytes("the part", path, MOST_OF_PART)?),
             None => ("built-in example".to_string(), EXAMPLE.into()),
         };
-        Ok(Text { name, bytes, options })
+        Ok(Text { name, bytes, options, tools: self.tool_table()? })
+    }
+
+    /// The tool table that the options name, or an empty one.
+    fn tool_table(&self) -> Result<ToolTable> {
+        let Some(path) = &self.tools else { return Ok(ToolTable::default()) };
+        let text = files::text("--tools", path, files::MOST_OF_SMALL)?;
+        Ok(ToolTable::read(&path.display().to_string(), &text, self.units.unwrap_or(Unit::Millimetre))?)
     }
 
     /// The machine that the options name, or that the part's file contains.

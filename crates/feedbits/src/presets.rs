@@ -80,7 +80,7 @@ fn selected(path: &Path) -> Result<Selected> {
     if let Some(word) = word.filter(|_| !path.exists()) {
         bail!("--machine {word}: no such preset and no such file: {}", expected(word));
     }
-    Ok(Selected::File(files::text("--machine", path, files::MOST_OF_PART)?))
+    Ok(Selected::File(files::text("--machine", path, files::MOST_OF_MACHINE)?))
 }
 
 /// The preset of a name.

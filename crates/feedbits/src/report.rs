@@ -125,7 +125,7 @@ pub(crate) fn folder(path: Option<&Path>) -> Result<Option<Folder>> {
 /// The files that the page in a folder lists, if it is a report's.
 fn listed(folder: &Folder) -> Vec<String> {
     let page = File::open(folder.path().join(Report::PAGE))
-        .map(|page| files::taken(Report::PAGE, page, files::MOST_OF_PART));
+        .map(|page| files::taken(Report::PAGE, page, files::MOST_OF_MACHINE));
     let text = page.ok().and_then(Result::ok).and_then(|bytes| String::from_utf8(bytes).ok());
     text.map(|page| format_report::listed(&page)).unwrap_or_default()
 }

@@ -38,7 +38,7 @@ pub(crate) const TAKEN_MM: f64 = 0.005;
 const TAKEN_SHARE: f64 = 1e-3;
 /// An arc to its own start is a full turn. So is one whose end is no farther from its start than this, in mm: sums of
 /// incremental moves lose as much.
-const FULL_TURN_MM: f64 = 1e-6;
+pub(crate) const FULL_TURN_MM: f64 = 1e-6;
 /// Spans of one arc; a helix that needs more is refused.
 const MAX_SPANS: usize = 100_000;
 
@@ -115,6 +115,13 @@ impl ArcMove {
     /// distance.
     pub(crate) fn spiral(&self) -> Result<(Curve, f64), ArcFault> {
         self.within(f64::INFINITY)
+    }
+
+    /// The centre in the plane, of an arc that a control has accepted.
+    pub(crate) fn centre(&self) -> Result<[f64; 2], ArcFault> {
+        let [a, b, _] = self.plane.axes();
+        let (from, to) = ([self.start[a], self.start[b]], [self.end[a], self.end[b]]);
+        Ok(self.turn(from, to, f64::INFINITY)?.centre)
     }
 
     /// The angle, without its sign, by which an arc turns that a control has accepted.

@@ -8,6 +8,7 @@
 //! | splines as FANUC writes them, G06.2 | [`read_part`] | [`write_g06_2`] |
 //! | splines as LinuxCNC writes them, G5.2, G5, G5.1 | [`read_part`] | [`write_g5_2`] |
 //! | splines as Siemens writes them, BSPLINE | [`read_part`] | |
+//! | tool table: LinuxCNC's, or CSV | [`ToolTable::read`] | |
 //! | what LinuxCNC's `rs274 -g` prints of a part program | [`read_part`] | |
 //! | drawing: DXF, as text or binary | [`read_part_bytes`] | |
 //! | JSON as geomdl exports it | [`read_part`] | |
@@ -66,6 +67,7 @@ mod source;
 mod spline_blocks;
 mod text_length;
 mod toml_table;
+mod tool_table;
 mod trig_curve;
 mod unit;
 mod vector;
@@ -94,8 +96,9 @@ pub use ratio_words::{NoLargestRatio, RatioLost, RatioWords};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
 pub use rest::Rest;
 pub use rounding::{Rounded, StandsStill};
-pub use text_length::MAX_TEXT;
+pub use text_length::{MAX_PROGRAM, MAX_TEXT};
 pub use toml_table::nearest;
+pub use tool_table::ToolTable;
 pub use write::{write_g1, write_g5_2, write_g06_2};
 pub use write_curves::write_curves;
 pub use write_error::WriteError;
@@ -116,15 +119,29 @@ pub fn read_part(name: &str, text: &str) -> Result<Part, Diagnostics> {
 /// # Errors
 /// As [`read_part_with`].
 pub fn read_part_bytes(name: &str, bytes: &[u8], options: ReadOptions) -> Result<Part, Diagnostics> {
+    read_part_bytes_with(name, bytes, options, &ToolTable::default())
+}
+
+/// Reads a part from a file's bytes as [`read_part_bytes`] does, with the tools that cutter compensation needs.
+///
+/// # Errors
+/// As [`read_part_with`].
+pub fn read_part_bytes_with(
+    name: &str,
+    bytes: &[u8],
+    options: ReadOptions,
+    tools: &ToolTable,
+) -> Result<Part, Diagnostics> {
     if bytes.starts_with(drawing::binary::SENTINEL) {
         return read_part_with(name, &drawing::binary::as_text(name, bytes)?, options);
     }
     match std::str::from_utf8(bytes) {
-        Ok(text) => read_part_with(name, text, options),
+        Ok(text) => read_text(name, text, options, tools),
         // Latin-1 at most doubles in length: a text that is too long is refused before it is copied.
-        Err(_) if bytes.len() > MAX_TEXT => Err(too_long(name, bytes.len())),
+        Err(_) if bytes.len() > MAX_PROGRAM => Err(too_long(name, bytes.len(), MAX_PROGRAM)),
         Err(_) => {
-            read_part_with(name, &bytes.iter().map(|byte| char::from(*byte)).collect::<String>(), options)
+            let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
+            read_text(name, &text, options, tools)
         }
     }
 }
@@ -134,20 +151,26 @@ pub fn read_part_bytes(name: &str, bytes: &[u8], options: ReadOptions) -> Result
 /// # Errors
 /// Every fault of the text; with `lenient`, unknown words are warnings instead.
 pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diagnostics> {
+    read_text(name, text, options, &ToolTable::default())
+}
+
+fn read_text(name: &str, text: &str, options: ReadOptions, tools: &ToolTable) -> Result<Part, Diagnostics> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.as_bytes().starts_with(drawing::binary::SENTINEL) {
-        return read_part_bytes(name, text.as_bytes(), options);
+        return read_part_bytes_with(name, text.as_bytes(), options, tools);
     }
     if text.contains('\r') && !text.contains('\n') {
         // The text keeps its length, so that every place in it stays the same.
-        return read_lines(name, &text.replace('\r', "\n"), options);
+        return read_lines(name, &text.replace('\r', "\n"), options, tools);
     }
-    read_lines(name, text, options)
+    read_lines(name, text, options, tools)
 }
 
 /// Reads a part from a text whose lines end with LF.
-fn read_lines(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diagnostics> {
-    let mut report = opened(name, text)?;
+fn read_lines(name: &str, text: &str, options: ReadOptions, tools: &ToolTable) -> Result<Part, Diagnostics> {
+    let is_program =
+        options.dialect == Some(Dialect::Canon) || canon::is_canon(text) || is_part_program(text, options);
+    let mut report = opened(name, text, if is_program { MAX_PROGRAM } else { MAX_TEXT })?;
     let mut part = Part { name: name.to_owned(), ..Part::default() };
     if let Some((format, hint)) = unread(text) {
         report
@@ -168,10 +191,16 @@ fn read_lines(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diag
             part.published = file.published;
         }
     } else {
-        gcode::read(&mut report, &mut part, options);
+        gcode::read(&mut report, &mut part, options, tools);
     }
     part.warnings = report.finish()?;
     Ok(part)
+}
+
+/// Whether a text is none of the other kinds.
+fn is_part_program(text: &str, options: ReadOptions) -> bool {
+    let is_other = text.trim_start().starts_with('{') || drawing::is_drawing(text);
+    !is_other && (options.dialect.is_some() || !is_toml(text))
 }
 
 /// The kinds of texts.

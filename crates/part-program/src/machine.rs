@@ -12,7 +12,7 @@ use toml::de::DeTable;
 use crate::diagnostic::{Diagnostics, Report};
 use crate::lean_toml::LeanToml;
 use crate::source::Span;
-use crate::text_length::opened;
+use crate::text_length::{MAX_TEXT, opened};
 use crate::toml_table::{self, TableReader};
 
 /// The limits under which a part is run.
@@ -192,7 +192,7 @@ fn read_table<T>(
     text: &str,
     from_table: impl FnOnce(&mut Report<'_>, Span, &DeTable<'_>) -> Option<T>,
 ) -> Result<T, Diagnostics> {
-    let mut report = opened(name, text)?;
+    let mut report = opened(name, text, MAX_TEXT)?;
     let rest = LeanToml::of(text).into_rest();
     let machine = toml_table::parse(&mut report, &rest).and_then(|document| {
         toml_table::refuse_unknown_tables(&mut report, document.get_ref());

@@ -8,11 +8,11 @@ use std::str::FromStr;
 pub struct ReadOptions {
     /// The control that a program is for. `None`: told by its splines, its O-words, macros and variables, where it has such.
     pub dialect: Option<Dialect>,
-    /// Skip unknown words, with a warning each. A word that is not read leaves the axes of its block out; their places, and
-    /// behind a name or a call those of all axes, are then unknown, and nothing moves until words in G90 have named them
-    /// again. After a motion that is not read, no axes are moved until a motion that is read; in coordinates that a
-    /// word which is not read turns or scales, none is. Other G words of the block, F, M, S, T, D and H hold. What moves is so
-    /// a part of what the control moves.
+    /// Skip unknown words, with a warning each. A block with a word that is not read is left out. The places of its axes, and behind
+    /// a name, a call or a G word that no table has those of all axes, are then unknown, and nothing moves until words in G90 have
+    /// named them again. After a motion that is not read, no axes are moved until a motion that is read; after a word that turns or
+    /// scales coordinates, or changes what moves mean, none is until it ends. Other G words of the block, F, M, S, T, D and H hold.
+    /// What moves is so a part of what the control moves.
     pub lenient: bool,
     /// The place of the tool when a program begins, in mm. `None`: an axis begins where it is first sent.
     pub start_mm: Option<[f64; 3]>,

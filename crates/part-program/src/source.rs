@@ -31,7 +31,7 @@ impl From<Range<usize>> for Span {
 pub(crate) struct Source<'t> {
     pub(crate) name: Arc<str>,
     pub(crate) text: &'t str,
-    /// A text has at most 64 MiB, and may have as many lines.
+    /// A text has at most 512 MiB, and may have as many lines.
     line_starts: Vec<u32>,
 }
 

@@ -70,7 +70,7 @@ impl fmt::Display for WriteError {
                 f.write_str("give a larger one")
             }
             Self::TooLong { bytes } => {
-                write!(f, "the program takes {bytes} bytes, and at most {MAX_TEXT} (64 MiB) are read back")
+                write!(f, "the program takes {bytes} bytes, and at most {MAX_TEXT} (64 MiB) are written")
             }
         }
     }

@@ -211,10 +211,10 @@ fn bytes_that_are_no_text_and_files_that_are_too_long_are_refused() {
     assert_eq!(check(&[&latin]).status.code(), Some(0));
     let long = folder.0.path().join("long.nc");
     // A file of zeros that takes no space on the disk.
-    fs::File::create(&long).and_then(|file| file.set_len((64 << 20) + 1)).expect("a sparse file");
+    fs::File::create(&long).and_then(|file| file.set_len((512 << 20) + 1)).expect("a sparse file");
     let output = check(&[&long.display().to_string()]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(unfolded(&output.stderr).contains("longer than 64 MiB"), "{}", unfolded(&output.stderr));
+    assert!(unfolded(&output.stderr).contains("longer than 512 MiB"), "{}", unfolded(&output.stderr));
 }
 
 /// Moves that are not cut are not compared, and a note says so.

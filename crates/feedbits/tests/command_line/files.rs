@@ -116,7 +116,7 @@ fn a_huge_file_is_refused_before_memory_is_taken_for_it() {
     let huge = fs::File::create(folder.path().join("huge.nc")).expect("a file");
     huge.set_len(16 << 30).expect("room");
     let limit = "ulimit -v 1000000";
-    is_refused(&in_shell(limit, "check huge.nc", folder.path()), &["huge.nc is longer than 64 MiB"]);
+    is_refused(&in_shell(limit, "check huge.nc", folder.path()), &["huge.nc is longer than 512 MiB"]);
     is_refused(&in_shell(limit, "check /dev/zero", folder.path()), &["/dev/zero begins with 512 bytes of 0"]);
     let machine = in_shell(limit, "plan --machine huge.nc", folder.path());
     is_refused(&machine, &["huge.nc is longer than 64 MiB"]);

@@ -1,7 +1,7 @@
 //! Compares how a part program is read with LinuxCNC's interpreter: its feed path against the output of `rs274 -g`.
 //!
 //! ```text
-//! cargo run --release --example same_path -- PROGRAM CANON [--dialect D] [--lenient]
+//! cargo run --release --example same_path -- PROGRAM CANON [--dialect D] [--lenient] [--tools TABLE]
 //! ```
 //!
 //! It writes one line, whose fields are apart by tabs, and ends with a status:
@@ -12,7 +12,7 @@
 //! | 1 | `different`, `path` or `feed`, place in the program, place in the canon lines, what differs |
 //! | 2 | `not read`, `program` or `canon`, the reader's first error |
 //!
-//! A place is `line:x,y,z`, or `end`.
+//! A place is `line:x,y,z`, or `end`. The tool table is LinuxCNC's, in inches, as `rs274` takes it without a file of settings.
 //!
 //! Two feed paths are the same if they begin anew at the same places, and between them the Fréchet distance is within a tolerance: the
 //! pieces into which a reader cuts a curve do not matter. Four decimals are printed. In millimetres each coordinate is off by 0.05 µm at
@@ -31,7 +31,7 @@ mod point;
 
 use std::process::ExitCode;
 
-use part_program::{Dialect, Part, ReadOptions, Shape, read_part_bytes};
+use part_program::{Dialect, Part, ReadOptions, Shape, ToolTable, Unit, read_part_bytes_with};
 
 use crate::frechet::{Walk, walk};
 use crate::path::{Run, cuts, runs};
@@ -48,7 +48,7 @@ const FEED_TOLERANCE: f64 = 1e-3;
 
 fn main() -> ExitCode {
     let Some(arguments) = Arguments::of(std::env::args().skip(1)) else {
-        eprintln!("usage: same_path PROGRAM CANON [--dialect D] [--lenient]");
+        eprintln!("usage: same_path PROGRAM CANON [--dialect D] [--lenient] [--tools TABLE]");
         return ExitCode::from(2);
     };
     let (line, status) = match verdict(&arguments) {
@@ -63,21 +63,23 @@ fn main() -> ExitCode {
 struct Arguments {
     files: [String; 2],
     options: ReadOptions,
+    tools: Option<String>,
 }
 
 impl Arguments {
     fn of(mut words: impl Iterator<Item = String>) -> Option<Self> {
         // The interpreter begins at zero.
         let start = ReadOptions { start_mm: Some([0.0; 3]), ..ReadOptions::default() };
-        let (mut files, mut options) = (Vec::new(), start);
+        let (mut files, mut options, mut tools) = (Vec::new(), start, None);
         while let Some(word) = words.next() {
             match word.as_str() {
                 "--lenient" => options.lenient = true,
+                "--tools" => tools = Some(words.next()?),
                 "--dialect" => options.dialect = Some(words.next()?.parse::<Dialect>().ok()?),
                 _ => files.push(word),
             }
         }
-        Some(Self { files: files.try_into().ok()?, options })
+        Some(Self { files: files.try_into().ok()?, options, tools })
     }
 }
 
@@ -91,13 +93,14 @@ fn verdict(arguments: &Arguments) -> Result<String, Fault> {
     let printed = bytes("canon", canon)?;
     let has = |word: &str| printed.windows(word.len()).any(|part| part == word.as_bytes());
     let has_splines = has(" NURBS_FEED(");
-    let program = part("program", program, &bytes("program", program)?, arguments.options)?;
+    let tools = arguments.tools.as_ref().map_or(Ok(ToolTable::default()), |file| tools(file))?;
+    let program = part("program", program, &bytes("program", program)?, arguments.options, &tools)?;
     let options = ReadOptions {
         dialect: Some(Dialect::Canon),
         lenient: has_splines || arguments.options.lenient,
         ..arguments.options
     };
-    let canon = part("canon", canon, &printed, options)?;
+    let canon = part("canon", canon, &printed, options, &tools)?;
     let splines = program.moves.iter().filter(|one| one.shape == Shape::Nurbs).count();
     let tolerance = match (splines > 0 && !has_splines, has("(CANON_UNITS_INCHES)")) {
         (true, _) => SPLINE_TOLERANCE,
@@ -116,8 +119,21 @@ fn bytes(which: &str, file: &str) -> Result<Vec<u8>, Fault> {
     std::fs::read(file).map_err(|error| Fault::NotRead(format!("not read\t{which}\t{error}")))
 }
 
-fn part(which: &str, file: &str, bytes: &[u8], options: ReadOptions) -> Result<Part, Fault> {
-    read_part_bytes(file, bytes, options).map_err(|errors| {
+fn tools(file: &str) -> Result<ToolTable, Fault> {
+    let text = bytes("tools", file)?;
+    ToolTable::read(file, &String::from_utf8_lossy(&text), Unit::Inch).map_err(|errors| {
+        Fault::NotRead(format!("not read\ttools\t{}", errors.to_string().replace(['\t', '\n'], " ")))
+    })
+}
+
+fn part(
+    which: &str,
+    file: &str,
+    bytes: &[u8],
+    options: ReadOptions,
+    tools: &ToolTable,
+) -> Result<Part, Fault> {
+    read_part_bytes_with(file, bytes, options, tools).map_err(|errors| {
         let first = errors.iter().next();
         let said = first
             .map_or(String::new(), |first| format!("{}:{}: {}", first.line, first.column, first.message));

@@ -36,7 +36,7 @@ pub(crate) fn as_text(name: &str, bytes: &[u8]) -> Result<String, Diagnostics> {
         Ok(_) => {
             ("this binary drawing does not begin with a section".to_owned(), "groups 0 SECTION and 2 HEADER")
         }
-        Err(Fault::TooLong(length)) => return Err(too_long(name, length)),
+        Err(Fault::TooLong(length)) => return Err(too_long(name, length, MAX_TEXT)),
         Err(Fault::CutOff(at)) => {
             let at = at + SENTINEL.len();
             (format!("the binary drawing is cut off in the group at byte {at}"), "a group 0 with EOF")

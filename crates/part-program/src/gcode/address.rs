@@ -3,6 +3,7 @@
 use crate::gcode::command::Command;
 use crate::gcode::function::is_function;
 use crate::gcode::lexer::{Lexer, is_number};
+use crate::gcode::unread_names::act_of_name;
 use crate::gcode::word::{COMPRESSORS, Count, END_OF_SUBPROGRAM, Key, NAMES, PASSED, Word};
 use crate::options::Dialect;
 use crate::toml_table::nearest;
@@ -270,6 +271,7 @@ impl Lexer<'_, '_, '_> {
         if self.lenient {
             self.report.of_kind(false, span, &name, message);
             self.read.unread.get_or_insert(span);
+            self.note_act_of_name(begin);
             self.skip_arguments();
             return Some(());
         }
@@ -304,6 +306,7 @@ impl Lexer<'_, '_, '_> {
         if !is_compressor && !PASSED.contains(&name.as_str()) {
             return false;
         }
+        self.note_act_of_name(begin);
         self.at = begin + length;
         let span = self.span(begin, self.at);
         if is_compressor {
@@ -316,6 +319,16 @@ impl Lexer<'_, '_, '_> {
         }
         self.skip_arguments();
         true
+    }
+
+    /// Keeps what a name at `begin` does to the blocks behind its own, if it does anything.
+    fn note_act_of_name(&mut self, begin: usize) {
+        let rest = &self.line[begin..];
+        let length = rest.bytes().take_while(|c| c.is_ascii_alphanumeric() || *c == b'_').count();
+        let (name, behind) = rest.split_at(length);
+        let behind: String = behind.chars().filter(|c| !c.is_whitespace()).take(3).collect();
+        let is_bare = behind.is_empty() || behind.starts_with("()") || behind.starts_with(';');
+        self.read.name_acts.extend(act_of_name(&name.to_ascii_uppercase(), is_bare));
     }
 
     /// Passes `=` and a number, a text or a list in brackets behind an unknown name.

@@ -5,7 +5,7 @@ use crate::gcode::block::Block;
 use crate::gcode::flow::Call;
 use crate::gcode::known_words::{MAct, m_act_of};
 use crate::gcode::reader::Reader;
-use crate::gcode::word::END_OF_SUBPROGRAM;
+use crate::gcode::word::{END_OF_SUBPROGRAM, Key, Word};
 use crate::options::Dialect;
 use crate::source::Span;
 
@@ -13,6 +13,12 @@ impl Reader<'_, '_, '_> {
     /// Takes the words that do not move the tool. Returns whether the program ends here.
     pub(crate) fn auxiliary(&mut self, block: &mut Block<'_>) -> bool {
         let mut ends = false;
+        let changes_tool =
+            block.words().iter().any(|word| word.key == Key::Letter(b'M') && word.value == 6.0);
+        let is_named = |word: &&Word| word.key == Key::Letter(b'Q') && block.words().iter().any(is_m61);
+        if let Some(word) = block.words().iter().find(is_named) {
+            self.tool.loaded = Some(word.value);
+        }
         for letter in *b"MSTDH" {
             while let Some(word) = block.take_letter(letter) {
                 match word.value {
@@ -38,6 +44,7 @@ impl Reader<'_, '_, '_> {
                             self.modal.spindle_per_minute =
                                 Some(value).filter(|speed| *speed > 0.0 && !self.modal.keeps_cut_speed);
                         }
+                        self.use_tool(letter, value);
                         let line = self.line_of(word.span);
                         ends |= letter == b'M' && self.is_end(value);
                         let block = self.block_number;
@@ -45,6 +52,9 @@ impl Reader<'_, '_, '_> {
                     }
                 }
             }
+        }
+        if changes_tool {
+            self.tool.loaded = self.tool.prepared.or(self.tool.loaded);
         }
         ends
     }
@@ -115,6 +125,11 @@ impl Reader<'_, '_, '_> {
                 .expected("its lines behind the end of the program, from O and its number to M99");
         }
     }
+}
+
+/// Whether a word is LinuxCNC's M61, whose Q is the tool in the spindle.
+fn is_m61(word: &Word) -> bool {
+    word.key == Key::Letter(b'M') && word.value == 61.0
 }
 
 /// A whole number of a word.

@@ -53,8 +53,10 @@ impl Reader<'_, '_, '_> {
     }
 
     /// Makes numbers that say where they count from, AC() and IC(), count as G90 or G91 wants those of the block, or as
-    /// centres count. Where the tool is not known, a number that counts from there is dropped.
+    /// centres count. Where the tool is not known, a number that counts from there is dropped; on an axis that was never named it is an
+    /// error, and for a lenient reader the axis is lost.
     pub(crate) fn count_as_ordered(&mut self, block: &mut Block<'_>) {
+        let (mut unknown, mut begun) = (Vec::new(), [None; 3]);
         let modal = &self.modal;
         let moves_on = |letter: u8| match letter {
             b'X' | b'Y' | b'Z' => Some((usize::from(letter - b'X'), modal.incremental)),
@@ -70,14 +72,34 @@ impl Reader<'_, '_, '_> {
             };
             let Some((axis, is_incremental)) = ordered else { return true };
             let here = modal.programmed(axis);
+            let is_place = !matches!(word.key, Key::Letter(b'I' | b'J' | b'K'));
+            let is_never_named = is_place && modal.position[axis].is_none();
             match count {
                 Count::Incremental if modal.lost[axis] => return false,
+                Count::Incremental if !is_incremental && is_never_named => {
+                    unknown.push((axis, word.span));
+                    return false;
+                }
                 Count::Incremental if !is_incremental => word.value += here,
+                Count::Absolute if is_incremental && is_never_named && !modal.lost[axis] => {
+                    begun[axis] = Some(modal.origin(axis) + modal.mm(word.value));
+                    word.value = 0.0;
+                }
                 Count::Absolute if is_incremental => word.value -= here,
                 _ => {}
             }
             true
         });
+        for (axis, begin) in begun.into_iter().enumerate().filter_map(|(axis, begin)| Some((axis, begin?))) {
+            (self.modal.position[axis], self.modal.begun[axis]) = (Some(begin), Some(begin));
+        }
+        for (axis, span) in unknown {
+            let text = self.report.source.slice(span);
+            let message = format!("`{text}` counts from a place that is not known");
+            let said = self.report.of_kind(!self.options.lenient, span, format!("IC {axis}"), message);
+            said.expected("a move before it that names this axis");
+            self.modal.lose_track(axis);
+        }
     }
 
     /// E: the length of filament in this block.
@@ -99,6 +121,15 @@ impl Reader<'_, '_, '_> {
     /// Whether a block of an M word has words that only a printer's has.
     fn has_own_words(&self, block: &Block<'_>) -> bool {
         self.options.dialect.is_none() && !block.is_empty() && !block.has_axis()
+    }
+
+    /// Takes the words that belong to a printer's M word: those behind it. Beside a G word the axes, centres and F are the move's.
+    fn take_own_words(&mut self, block: &mut Block<'_>, span: Span) {
+        let has_g_word = self.has_g_word;
+        block.drop_words(|word| {
+            let of_move = matches!(word.key, Key::Letter(letter) if b"XYZIJKEFABCUVW@^".contains(&letter));
+            word.span.start > span.start && !(has_g_word && of_move)
+        });
     }
 
     /// M words of printers. Returns whether the word was executed or does not affect the path.
@@ -126,11 +157,11 @@ impl Reader<'_, '_, '_> {
             _ if act == Some(MAct::PrinterLimits) => {
                 let text = self.report.source.slice(span);
                 let message = format!("`{text}` sets limits of the printer: those of the machine file hold");
-                self.report.of_kind(false, span, text, message);
+                self.report.of_kind(false, span, text, message).note();
             }
             _ => {}
         }
-        block.clear();
+        self.take_own_words(block, span);
         // Words at which a printer waits.
         act != Some(MAct::PrinterWaits)
     }

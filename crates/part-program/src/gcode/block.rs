@@ -57,6 +57,11 @@ impl<'w> Block<'w> {
         self.words.retain_mut(|word| word.count.is_none() || change(word));
     }
 
+    /// Drops the words for which this holds.
+    pub(crate) fn drop_words(&mut self, drops: impl Fn(&Word) -> bool) {
+        self.words.retain(|word| !drops(word));
+    }
+
     /// Takes X, Y and Z as they are written.
     pub(crate) fn take_axes(&mut self) -> [Option<f64>; 3] {
         [b'X', b'Y', b'Z'].map(|axis| self.take_letter(axis).map(|word| word.value))

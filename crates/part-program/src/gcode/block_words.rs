@@ -14,6 +14,7 @@ impl Reader<'_, '_, '_> {
         let span = block.span;
         self.unread = self.unread_name;
         let unit_before = self.modal.feed_unit_mm();
+        self.has_g_word = block.has(b'G');
         let Some(motion) = self.preparatory(&mut block) else { return };
         if let Some(motion) = motion {
             if !matches!(motion, Motion::Cycle(_)) || !matches!(self.modal.motion, Motion::Cycle(_)) {
@@ -50,11 +51,14 @@ impl Reader<'_, '_, '_> {
         if !is_new && block.is_empty() {
             return;
         }
-        if self.unread_frame.is_some() {
+        if self.unread_frames.are_in_force() {
             return self.leave_out(block, None);
         }
         if self.modal.is_lost() && !matches!(self.modal.motion, Motion::None | Motion::Broken) {
             return self.find_again(block, is_new);
+        }
+        if block.has_axis() && self.motion_is_barred(block) {
+            return self.pass_over(block);
         }
         self.end = if self.block_stops { PathMode::ExactStop } else { self.modal.path_mode };
         if block.has_axis() || b"IJK".iter().any(|letter| block.has(*letter)) {

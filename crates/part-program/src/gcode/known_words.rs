@@ -39,8 +39,10 @@ pub(super) enum Act {
     Pass(&'static [u8]),
     /// Passes it: it switches off what is off in a program that lacks the word that switches it on.
     Off,
-    /// Cannot read it, nor the coordinates behind it until this word, by ten times its number.
-    Frame(u16),
+    /// Cannot read it, nor the moves behind it until one of these words, by ten times their numbers.
+    Frame(&'static [u16]),
+    /// Cannot read it, nor the moves behind it until its own word without an angle, or with 0.
+    Cylinder,
     /// Cannot read it, nor the blocks that continue this motion.
     Motion,
     /// Cannot read its block.
@@ -56,7 +58,7 @@ impl Act {
         match self {
             Self::Read => WordUse::Read,
             Self::Pass(_) | Self::Off => WordUse::Passed,
-            Self::Frame(_) | Self::Motion | Self::Leave => WordUse::LeftOut,
+            Self::Frame(_) | Self::Cylinder | Self::Motion | Self::Leave => WordUse::LeftOut,
             Self::Lathe | Self::Foreign => WordUse::Refused,
         }
     }
@@ -73,6 +75,9 @@ const ALL: Controls = F | L | S | N;
 /// A row: ten times the numbers of its words, the controls, the act and the meaning.
 type Row = (&'static [u16], Controls, Act, &'static str);
 
+/// Words of work offsets, each of which ends the one before.
+const WORK_OFFSETS: [u16; 9] = [540, 550, 560, 570, 580, 590, 591, 592, 593];
+
 /// The G words. Of two rows for one word and control the first counts.
 const G_WORDS: &[Row] = &[
     (&[0], ALL, Act::Read, "rapid move"),
@@ -87,7 +92,7 @@ const G_WORDS: &[Row] = &[
     (&[62], F | L | N, Act::Read, "NURBS of FANUC"),
     (&[62], S, Act::Foreign, "NURBS of FANUC"),
     (&[70], L | S | N, Act::Lathe, "on a lathe: X is a diameter"),
-    (&[71], F, Act::Leave, "coordinates on a cylinder"),
+    (&[71], F, Act::Cylinder, "coordinates on a cylinder"),
     (&[80], L, Act::Pass(b"P"), "of LinuxCNC: X is a radius"),
     (&[80], F | N, Act::Pass(b"P"), "of FANUC: blocks are read ahead"),
     (&[90], F | S | N, Act::Read, "exact stop at the end of this block"),
@@ -98,10 +103,10 @@ const G_WORDS: &[Row] = &[
         "L2, L20: a work offset; L1, L10 to L13: tables of tools; of printers: filament is pulled",
     ),
     (&[110], N, Act::Read, "of printers: filament is pushed"),
-    (&[121], F | N, Act::Frame(131), "coordinates on a face"),
+    (&[121], F | N, Act::Frame(&[131]), "coordinates on a face"),
     (&[131], F | N, Act::Off, "coordinates on a face off"),
     (&[150], F | N, Act::Off, "polar coordinates off"),
-    (&[160], F | N, Act::Frame(150), "polar coordinates"),
+    (&[160], F | N, Act::Frame(&[150]), "polar coordinates"),
     (&[170, 180, 190], ALL, Act::Read, "plane of X and Y, Z and X, Y and Z"),
     (&[200, 210], ALL, Act::Read, "inches and millimetres, of lengths and of F"),
     (&[230, 250], F | N, Act::Off, "checks of stroke and speed off"),
@@ -114,18 +119,39 @@ const G_WORDS: &[Row] = &[
     (&[331], L | N, Act::Read, "tap along with the spindle, and back"),
     (&[331], S, Act::Motion, "of Siemens: tap"),
     (&[382, 383, 384, 385], L | N, Act::Motion, "move until a probe touches"),
-    (&[400], ALL, Act::Off, "cutter compensation off"),
+    (&[400], L | N, Act::Read, "cutter compensation off"),
+    (&[400], F | S, Act::Off, "cutter compensation off"),
     (&[401], F | N, Act::Off, "normal direction control off"),
-    (&[410, 411, 420, 421], ALL, Act::Leave, "cutter compensation"),
+    (&[410, 420], L | N, Act::Read, "cutter compensation, left and right, by the radius of a tool"),
+    (&[410, 420], F | S, Act::Frame(&[400]), "cutter compensation, left and right, by the radius of a tool"),
+    (
+        &[411, 421],
+        L | N,
+        Act::Read,
+        "cutter compensation by D, the diameter; of FANUC, the tool turned across the path",
+    ),
+    (
+        &[411, 421],
+        F,
+        Act::Frame(&[401]),
+        "cutter compensation by D, the diameter; of FANUC, the tool turned across the path",
+    ),
+    (
+        &[411, 421],
+        S,
+        Act::Frame(&[400]),
+        "cutter compensation by D, the diameter; of FANUC, the tool turned across the path",
+    ),
     (&[430], ALL, Act::Pass(b""), "length of the tool"),
     (&[431, 432], ALL, Act::Read, "length of the tool by axis words"),
-    (&[434, 435], F | N, Act::Leave, "place of the tool's tip, with rotary axes"),
+    (&[434, 435], F | N, Act::Frame(&[490]), "place of the tool's tip, with rotary axes"),
     (&[490], ALL, Act::Off, "length of the tool off"),
     (&[500, 501], F | N, Act::Read, "scaling and mirroring off; G50 with S shows a lathe"),
-    (&[510], F | N, Act::Frame(500), "scaled coordinates"),
-    (&[511], F | N, Act::Frame(501), "mirrored coordinates"),
+    (&[510], F | N, Act::Frame(&[500]), "scaled coordinates"),
+    (&[511], F | N, Act::Frame(&[501]), "mirrored coordinates"),
     (&[520], F | L | N, Act::Read, "zero of the coordinates"),
     (&[530], ALL, Act::Read, "move by the coordinates of the machine"),
+    (&[541], F | N, Act::Frame(&WORK_OFFSETS), "further work offsets"),
     (&[540, 550, 560, 570], ALL, Act::Read, "work offset"),
     (&[580, 590], ALL, Act::Read, "work offset; of Siemens with axes, a shift, it is left out"),
     (&[591, 592, 593], F | L | N, Act::Read, "work offset"),
@@ -137,9 +163,9 @@ const G_WORDS: &[Row] = &[
     (&[640], ALL, Act::Read, "continuous path; its tolerance is passed, with a warning"),
     (&[6410, 6420, 6430, 6440, 6450], S, Act::Read, "rounded blocks: taken as commanded, with a warning"),
     (&[650], F | L | N, Act::Read, "call of a subprogram in the same file, with arguments"),
-    (&[660, 661], F | N, Act::Frame(670), "call at every place"),
+    (&[660, 661], F | N, Act::Frame(&[670]), "call at every place"),
     (&[670], F | N, Act::Off, "call at every place off"),
-    (&[680, 682], F | N, Act::Frame(690), "turned coordinates"),
+    (&[680, 682], F | N, Act::Frame(&[690]), "turned coordinates"),
     (&[690], ALL, Act::Off, "turned coordinates off"),
     (&[700, 710], S | N, Act::Read, "inches and millimetres, of lengths alone"),
     (&[700, 710, 721, 722, 723], F | L | N, Act::Lathe, "on a lathe: a contour"),
@@ -161,6 +187,9 @@ const G_WORDS: &[Row] = &[
     (&[970], ALL, Act::Read, "speed of the spindle"),
     (&[980, 990], F | L | N, Act::Read, "where a drilling cycle ends"),
     (&[1030], F | N, Act::Pass(b"P"), "blocks that are read ahead"),
+    (&[1070], F | N, Act::Cylinder, "coordinates on a cylinder"),
+    (&[1120], F | N, Act::Frame(&[1130]), "coordinates on a face"),
+    (&[1130], F | N, Act::Off, "coordinates on a face off"),
     (&[1870], F | N, Act::Pass(b"PE"), "smoothness"),
     (&[3310, 3320], S, Act::Motion, "tapping"),
     (&[4500, 4510], S | N, Act::Pass(b""), "corners of a compensation that is off"),

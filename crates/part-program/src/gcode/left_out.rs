@@ -1,11 +1,12 @@
 //! What lenient reading leaves out, and what is not known behind it.
 //!
 //! A block with a word that is not read is left out whole: without this word its move may be another, or longer. The
-//! axes that it names are *lost*, and behind a name or a call every axis is. Nothing moves until words in G90 have
-//! named each lost axis again. What lenient reading moves is so a part of what the control moves.
+//! axes that it names are *lost*; so are those of its plane if it may be an arc or a hole, and behind a name, a call or a G word that is
+//! in no table every axis is. Nothing moves until words in G90 have named each lost axis again. What lenient reading moves is so a part
+//! of what the control moves.
 //!
-//! Words that turn, scale or mirror the coordinates, and calls at every place, stay in force: what they shape is left
-//! out until the word that ends them.
+//! Words that turn, scale or mirror the coordinates, calls at every place, and other words that change what moves mean stay in force:
+//! what they shape is left out until each of them has ended.
 
 use crate::curve::MAX_COORDINATE_MM;
 use crate::gcode::block::Block;
@@ -15,13 +16,15 @@ use crate::gcode::modal::Motion;
 use crate::gcode::placing::Placing;
 use crate::gcode::preparatory::code;
 use crate::gcode::reader::Reader;
+use crate::gcode::unread_names::NameAct;
 use crate::gcode::word::{Key, Word};
+use crate::options::Dialect;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
     /// A G word that is not read: an error; or, for a lenient reader, the words of the block that it leaves out are
     /// stored.
-    pub(crate) fn unread_word(&mut self, word: Word) -> Result<Option<Motion>, ()> {
+    pub(crate) fn unread_word(&mut self, block: &Block<'_>, word: Word) -> Result<Option<Motion>, ()> {
         if self.options.lenient {
             if let Some(other) = self.unread.replace(word.span) {
                 let text = self.report.source.slice(other).to_owned();
@@ -33,14 +36,26 @@ impl Reader<'_, '_, '_> {
                 self.open_frame(Frame::ForEver);
             }
             let act = act_of(tenths, self.options.dialect);
-            if let Act::Frame(end) = act {
-                self.open_frame(Frame::Until(end));
+            match act {
+                Act::Frame(ends) => self.open_frame(Frame::Until(ends)),
+                Act::Cylinder if block.words().iter().all(|word| !is_angle(word) || word.value == 0.0) => {
+                    self.unread_frames.end(|frame| frame == Frame::UntilNoCylinder);
+                    self.lose_track_of_all();
+                }
+                Act::Cylinder => self.open_frame(Frame::UntilNoCylinder),
+                Act::Motion => {}
+                _ => self.lose_track_of_all(),
             }
             return Ok((act == Act::Motion).then_some(Motion::Unread));
         }
         let text = self.report.source.slice(word.span);
         let message = match code(word.value) {
-            Some(410..=429) => format!("cutter compensation, `{text}`, is not read"),
+            Some(410 | 420) => {
+                let control = self.options.dialect.map_or("this control", Dialect::name);
+                format!(
+                    "cutter compensation, `{text}`, is not read: {control} begins it and passes corners otherwise than LinuxCNC"
+                )
+            }
             Some(870) => {
                 format!("`{text}` bores from behind, with a shift that the machine directs: it is not read")
             }
@@ -82,20 +97,30 @@ impl Reader<'_, '_, '_> {
 
     /// A frame that does not add to the one in force ends it.
     fn replace_frame(&mut self, adds: bool) {
-        if !adds && self.unread_frame == Some(Frame::UntilReplaced) {
-            self.unread_frame = None;
+        if !adds {
+            self.unread_frames.end(|frame| frame == Frame::UntilReplaced);
         }
     }
 
-    fn open_frame(&mut self, frame: Frame) {
-        self.unread_frame = Some(frame);
+    pub(crate) fn open_frame(&mut self, frame: Frame) {
+        self.unread_frames.open(frame);
         self.lose_track_of_all();
     }
 
-    /// Ends the frame in force, if this word does.
+    /// Ends the frames in force that this word ends.
     pub(crate) fn end_frame(&mut self, word: Word) {
-        if code(word.value).is_some_and(|tenths| self.unread_frame == Some(Frame::Until(tenths))) {
-            self.unread_frame = None;
+        let Some(tenths) = code(word.value) else { return };
+        self.unread_frames.end(|frame| matches!(frame, Frame::Until(ends) if ends.contains(&tenths)));
+    }
+
+    /// Executes what names of the line, which are not read, do to the moves behind them.
+    pub(crate) fn obey_names(&mut self, acts: &[NameAct]) {
+        for act in acts {
+            match *act {
+                NameAct::Motion => self.modal.motion = Motion::Unread,
+                NameAct::Begins(ender) => self.open_frame(Frame::UntilName(ender)),
+                NameAct::Ends(ender) => self.unread_frames.end(|frame| frame == Frame::UntilName(ender)),
+            }
         }
     }
 
@@ -135,6 +160,17 @@ impl Reader<'_, '_, '_> {
         if block.has(b'@') || block.has(b'^') {
             (0..2).for_each(|axis| self.modal.lose_track(axis));
         }
+        // An arc may end beside the axes that it names, and a hole is drilled along one that need not be named.
+        let [first, second, normal] = self.modal.plane.axes();
+        let beside: &[usize] = match self.modal.motion {
+            Motion::None | Motion::Rapid | Motion::Line | Motion::Unread => &[],
+            Motion::Cycle(_) => &[first, second, normal],
+            _ => &[first, second],
+        };
+        if !block.is_empty() {
+            beside.iter().for_each(|axis| self.modal.lose_track(*axis));
+        }
+        self.forget_the_last_move();
         if let Some((
             Placing::SetOffset | Placing::SetPosition | Placing::MoveOrigin | Placing::Shift { .. },
             _,
@@ -159,22 +195,41 @@ impl Reader<'_, '_, '_> {
         }
     }
 
+    /// What a block shapes by the move before it no longer does: that move was left out.
+    pub(crate) fn forget_the_last_move(&mut self) {
+        self.goes_on = false;
+        (self.corner, self.smooth) = (None, None);
+        self.lose_compensation();
+    }
+
     /// A move from a place that is not known is left out; from its end on the axes are known that it names.
     pub(crate) fn find_again(&mut self, block: &mut Block<'_>, is_new: bool) {
         let (motion, span) = (self.modal.motion, block.span);
         if motion.is_spline() && is_new {
             self.modal.motion = Motion::Broken;
         }
+        self.forget_the_last_move();
         let is_polar = block.has(b'@') || block.has(b'^');
+        let [first, second, normal] = self.modal.plane.axes();
+        // What moves these axes does not name their end: a polar place, the angle of an arc, a repeated step.
+        let is_repeated = matches!(motion, Motion::Cycle(_)) && (block.has(b'L') || block.has(b'K'));
+        let by_angle = block.words().iter().any(|word| word.key == Key::ArcAngle);
         let mut written = block.take_axes();
+        if by_angle || is_repeated && self.modal.incremental {
+            [first, second].into_iter().for_each(|axis| self.modal.lose_track(axis));
+        }
+        if is_polar {
+            (0..2).for_each(|axis| self.modal.lose_track(axis));
+        }
         if let Motion::Cycle(_) = motion {
-            let [_, _, normal] = self.modal.plane.axes();
             self.holes.keep(written[normal].take(), block);
             // It ends above the hole.
             self.modal.lose_track(normal);
         }
         let moves = written != [None; 3] || !block.is_empty();
-        if !is_polar {
+        // G33.1 comes back to where it began.
+        let comes_back = motion == Motion::WithSpindle { comes_back: true };
+        if !is_polar && !comes_back {
             let end = self.modal.target(self.modal.here(), written);
             if end.iter().all(|x| x.abs() <= MAX_COORDINATE_MM) {
                 self.modal.arrive(written, end);
@@ -190,4 +245,9 @@ impl Reader<'_, '_, '_> {
             self.report.of_kind(false, span, "lost", message);
         }
     }
+}
+
+/// Whether a word is an angle, or a radius, of coordinates on a cylinder.
+fn is_angle(word: &Word) -> bool {
+    matches!(word.key, Key::Letter(b'A' | b'B' | b'C' | b'R' | b'Q'))
 }

@@ -1,6 +1,7 @@
 //! The contents of a line.
 
 use crate::gcode::command::Command;
+use crate::gcode::unread_names::NameAct;
 use crate::gcode::variables::{Value, Variable};
 use crate::gcode::word::Word;
 use crate::options::Dialect;
@@ -23,6 +24,8 @@ pub(crate) struct Line {
     pub(crate) assignments: Vec<(Variable, Value)>,
     /// A name or a character that is not read: its block is left out.
     pub(crate) unread: Option<Span>,
+    /// What names that are not read do to the blocks behind them.
+    pub(crate) name_acts: Vec<NameAct>,
     /// The command of the line that changes the order of lines.
     pub(crate) command: Option<(Command, Span)>,
     /// The control whose way of writing commands or variables is found in the line.
@@ -40,6 +43,7 @@ impl Line {
         self.words.clear();
         self.assignments.clear();
         self.flags.clear();
+        self.name_acts.clear();
         (self.command, self.dialect, self.is_homing) = (None, None, false);
         (self.unread, self.next_block, self.ended) = (None, None, None);
     }

@@ -15,7 +15,8 @@
 //! | G06.2, G5.2 G5.3, G5, G5.1, BSPLINE | splines of FANUC, LinuxCNC and Siemens | `spline_move`, `fanuc`, `linuxcnc`, `siemens` |
 //! | G17 G18 G19, G20 G21 (G70 G71 G700 G710), G90 G91, G90.1 G91.1 | planes, units, coordinates, centres | `preparatory` |
 //! | TRANS ATRANS | a shift of the coordinates | `offsets` |
-//! | words that are not read | what they leave out | `left_out` |
+//! | G41 G42 G41.1 G42.1 G40 | the tool's centre beside the contour | `compensated`, `compensation`, `contour` |
+//! | words that are not read | what they leave out | `left_out`, `unread_names` |
 //! | G10 G28 G30 G52 G53 G54 to G59.3 G92 | where 0 is, and moves to places of the machine | `offsets` |
 //! | F with G93 G94 G95 | feed | `feed` |
 //! | G9, G61 G61.1 G64, of FANUC G62 G63, of Siemens G60 | exact stop at the ends of moves, or not | `preparatory` |
@@ -33,10 +34,14 @@ mod address;
 mod auxiliary;
 mod axis_words;
 mod block;
+mod block_place;
 mod block_words;
 mod bracketed;
 mod command;
 mod command_line;
+mod compensated;
+mod compensation;
+mod contour;
 mod corner;
 mod cycle;
 mod drilling;
@@ -67,6 +72,8 @@ mod siemens;
 mod siemens_arcs;
 mod spline;
 mod spline_move;
+mod tool_in_use;
+mod unread_names;
 mod variables;
 mod word;
 

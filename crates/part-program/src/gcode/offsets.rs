@@ -20,13 +20,16 @@ use crate::gcode::modal::{Motion, WORK_OFFSETS};
 use crate::gcode::placing::Placing;
 use crate::gcode::preparatory::code;
 use crate::gcode::reader::Reader;
-use crate::gcode::word::Word;
+use crate::gcode::word::{Key, Word};
 use crate::moves::MoveKind;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
     /// The work offset of G54 to G59.3, `index` from 0.
     pub(crate) fn choose_work_offset(&mut self, index: u8, span: Span) {
+        if self.is_barred(span, "another work offset") {
+            return;
+        }
         if index > 0 && !self.known_origins[usize::from(index)] {
             self.report.warning(span, "another work offset: its origin is taken as the first one's");
         }
@@ -35,6 +38,18 @@ impl Reader<'_, '_, '_> {
 
     /// Executes a block whose coordinates are not the end of a move.
     pub(crate) fn place_coordinates(&mut self, block: &mut Block<'_>, placing: Placing, span: Span) {
+        let is_of_tools = placing == Placing::SetOffset
+            && block
+                .words()
+                .iter()
+                .any(|word| word.key == Key::Letter(b'L') && ![2.0, 20.0].contains(&word.value));
+        if placing != Placing::Ignored && !is_of_tools {
+            let text = self.report.source.slice(span).to_owned();
+            if self.is_barred(span, &format!("`{text}`")) {
+                block.clear();
+                return;
+            }
+        }
         match placing {
             Placing::Home => self.home(block, span),
             Placing::MachineCoordinates => self.move_by_machine(block, span),
@@ -105,6 +120,7 @@ impl Reader<'_, '_, '_> {
             self.unknown_from[axis] = self.part.curves.len();
         }
         self.modal.forget(axis);
+        (self.goes_on, self.off_contour) = (false, None);
     }
 
     /// A rapid move. An unknown axis takes no part in it, since it begins where it is sent.
@@ -113,7 +129,7 @@ impl Reader<'_, '_, '_> {
         for (known, end) in self.modal.position.iter_mut().zip(end) {
             *known = known.map(|_| end);
         }
-        if start != end {
+        if start != end || self.off_contour.is_some() {
             self.push_line([start, end], MoveKind::Rapid, None, span);
         }
     }
@@ -138,7 +154,10 @@ impl Reader<'_, '_, '_> {
                 self.set_origin(block, index, what == 20.0);
             }
             // Tables of tools.
-            Some(1.0 | 10.0 | 11.0 | 12.0 | 13.0) => {
+            Some(what @ (1.0 | 10.0 | 11.0 | 12.0 | 13.0)) => {
+                if [1.0, 10.0, 11.0].contains(&what) {
+                    self.set_tool_radius(number, rotation);
+                }
                 block.take_axes();
                 for letter in *b"IJQ" {
                     block.take_letter(letter);

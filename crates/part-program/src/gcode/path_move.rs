@@ -24,9 +24,10 @@ impl Reader<'_, '_, '_> {
         } else {
             None
         };
-        let Some((start, end)) = self.ends(block) else { return };
+        let is_known = self.compensation.is_none() || self.start_is_known(self.modal.plane, span);
+        let Some((start, end)) = self.ends(block).filter(|_| is_known) else { return };
         self.approach(before, span);
-        if start == end {
+        if start == end && self.off_contour.is_none() {
             // A first move gives the place of the tool. A later move to the same place was meant to have a length.
             if self.modal.motion == Motion::Line && self.modal.position == before {
                 let line = self.line_of(span);
@@ -55,6 +56,9 @@ impl Reader<'_, '_, '_> {
                 self.feedrate(dot(way, way).sqrt(), inverse_feed, span)
             }
         };
+        if self.compensation.is_some() {
+            return self.compensated_line([start, end], kind, feed, span);
+        }
         self.push(Curve::line(start, end), kind, Shape::Line, feed, self.place(span));
     }
 
@@ -208,6 +212,9 @@ impl Reader<'_, '_, '_> {
                 if let Some(fault) = curve.faults().first() {
                     self.report.error(block.span, fault.to_string()).expected(fault.expected());
                     return;
+                }
+                if self.compensation.is_some() {
+                    return self.compensated_arc(&arc, feed, block.span);
                 }
                 self.push(curve, MoveKind::Feed, Shape::Arc, feed, self.place(block.span));
             }

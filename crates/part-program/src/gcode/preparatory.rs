@@ -80,7 +80,7 @@ impl Reader<'_, '_, '_> {
 
     /// Executes one G word; a motion is returned.
     fn general(&mut self, block: &mut Block<'_>, word: Word) -> Result<Option<Motion>, ()> {
-        let Some(tenths) = code(word.value) else { return self.unread_word(word) };
+        let Some(tenths) = code(word.value) else { return self.unread_word(block, word) };
         if let Some(reason) = self.turning(block, tenths) {
             self.refuse_lathe(word.span, reason);
             return Err(());
@@ -95,7 +95,9 @@ impl Reader<'_, '_, '_> {
                 return Ok(None);
             }
             Act::Off => return Ok(None),
-            Act::Frame(_) | Act::Motion | Act::Leave | Act::Lathe => return self.unread_word(word),
+            Act::Frame(_) | Act::Cylinder | Act::Motion | Act::Leave | Act::Lathe => {
+                return self.unread_word(block, word);
+            }
         }
         if let Some(placing) = self.placing(block, word) {
             self.placing = Some((placing, word.span));
@@ -110,7 +112,7 @@ impl Reader<'_, '_, '_> {
         {
             return Ok(None);
         }
-        self.unread_word(word)
+        self.unread_word(block, word)
     }
 
     /// The feature that shows that a program is for a lathe: its diameters, speeds or cycles.
@@ -183,9 +185,11 @@ impl Reader<'_, '_, '_> {
                 }
             }
             53 => self.end_of_linuxcnc_nurbs(word.span),
-            170 => self.modal.plane = Plane::Xy,
-            180 => self.modal.plane = Plane::Zx,
-            190 => self.modal.plane = Plane::Yz,
+            170 => self.choose_plane(Plane::Xy, word.span)?,
+            180 => self.choose_plane(Plane::Zx, word.span)?,
+            190 => self.choose_plane(Plane::Yz, word.span)?,
+            400 => self.end_compensation(),
+            410 | 411 | 420 | 421 => self.begin_compensation(block, word, tenths)?,
             200 | 210 => self.units(tenths == 200, tenths == 200),
             7000 | 7100 => self.units(tenths == 7000, tenths == 7000),
             // Haas drills circles of holes with these words.
@@ -204,7 +208,10 @@ impl Reader<'_, '_, '_> {
             910 => self.modal.incremental = true,
             901 => self.modal.absolute_centres = true,
             911 => self.modal.absolute_centres = false,
-            921..=923 => self.change_shift(tenths),
+            921..=923 if !self.is_barred(word.span, "another shift of the coordinates") => {
+                self.change_shift(tenths);
+            }
+            921..=923 => {}
             960 => {
                 block.take_letter(b'D');
                 self.keeps_cut_speed(word.span);
@@ -224,6 +231,14 @@ impl Reader<'_, '_, '_> {
             _ => return Ok(false),
         }
         Ok(true)
+    }
+
+    fn choose_plane(&mut self, plane: Plane, span: Span) -> Result<(), ()> {
+        if plane != self.modal.plane && self.is_barred(span, "another plane") {
+            return Err(());
+        }
+        self.modal.plane = plane;
+        Ok(())
     }
 
     /// Whether lengths are in inches, and whether F is.

@@ -9,12 +9,14 @@ use crate::gcode::scope::Scope;
 use crate::options::{Dialect, ReadOptions};
 use crate::part::Part;
 use crate::source::Span;
+use crate::tool_table::ToolTable;
 
 /// Reads a whole program into `part`. Errors and warnings go to the report.
-pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions) {
+pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions, tools: &ToolTable) {
     let length = report.source.text.len();
-    let mut reader = Reader::new(report, part, options);
+    let mut reader = Reader::new(report, part, options, tools);
     reader.lines();
+    reader.end_compensation();
     if let Some(corner) = reader.corner.take() {
         corner.say_unmet(reader.report);
     }
@@ -120,8 +122,10 @@ impl Reader<'_, '_, '_> {
         self.flags.clone_from(&read.flags);
         self.others.is_printer |= !self.flags.is_empty();
         self.unread_name = read.unread;
+        self.obey_names(&read.name_acts);
         if read.words.is_empty() && read.unread.is_some() {
             self.lose_track_of_all();
+            self.forget_the_last_move();
         }
         self.block(&mut read.words);
         if let Some((command, span)) = read.command.take() {

@@ -1,37 +1,37 @@
 //! The state of a program that is being read, and the changes that every word makes: curves, rests, first places of
 //! axes.
 
+use std::borrow::Cow;
+
+use crate::arc::Plane;
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::diagnostic::Report;
 use crate::exact_stops::{ExactStops, PathMode};
 use crate::gcode::block::Block;
+use crate::gcode::block_place::BlockPlace;
+use crate::gcode::compensation::Compensation;
 use crate::gcode::corner::Corner;
 use crate::gcode::cycle::Holes;
 use crate::gcode::flow::Flow;
-use crate::gcode::frame::Frame;
+use crate::gcode::frame::Frames;
 use crate::gcode::modal::{Modal, WORK_OFFSETS};
 use crate::gcode::other_axes::OtherAxes;
 use crate::gcode::placing::Placing;
 use crate::gcode::spline::Spline;
+use crate::gcode::tool_in_use::ToolInUse;
 use crate::gcode::variables::Variables;
 use crate::kinds::Kinds;
 use crate::moves::{Move, MoveKind, Shape};
 use crate::options::{Dialect, ReadOptions, Unit};
 use crate::part::Part;
 use crate::source::Span;
+use crate::tool_table::ToolTable;
 
 /// Bytes that the curves of a program may take beyond [`MAX_BYTES_PER_BYTE`] for each byte of its text: the curves of its
 /// loops, cycles and arcs of many turns must fit into memory. A straight move takes about a hundred.
 const MAX_BYTES: usize = 40 << 20;
 /// A block of ten bytes may be a straight move.
 const MAX_BYTES_PER_BYTE: usize = 10;
-
-/// The place of a block: in the text, and in the order of execution.
-#[derive(Clone, Copy)]
-pub(crate) struct BlockPlace {
-    pub(crate) span: Span,
-    pub(crate) block: u32,
-}
 
 /// A program that is being read.
 pub(crate) struct Reader<'r, 't, 'p> {
@@ -65,8 +65,10 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) whole_units: bool,
     /// A name of the block that is not read, or a character.
     pub(crate) unread_name: Option<Span>,
-    /// What ends turned or scaled coordinates that are not read, or calls at every place, while they are in force.
-    pub(crate) unread_frame: Option<Frame>,
+    /// Turned or scaled coordinates, calls at every place and other meanings of moves that are in force and are not read.
+    pub(crate) unread_frames: Frames,
+    /// Whether the block has a G word.
+    pub(crate) has_g_word: bool,
     /// A G word of the block that is skipped.
     pub(crate) unread: Option<Span>,
     /// The first G96. On a lathe, whose programs never name Y, it means that X is a diameter.
@@ -87,11 +89,25 @@ pub(crate) struct Reader<'r, 't, 'p> {
     /// Inner point of a smooth continuation of G5, from its start.
     pub(crate) smooth: Option<[f64; 2]>,
     pub(crate) ended: bool,
+    /// The tools, whose radii G10 may change.
+    pub(crate) tools: Cow<'p, ToolTable>,
+    pub(crate) tool: ToolInUse,
+    /// The cutter compensation in force.
+    pub(crate) compensation: Option<Compensation>,
+    /// Where the tool is after G40, in this plane: the next move begins there.
+    pub(crate) off_contour: Option<([f64; 3], Plane)>,
+    /// Whether the last curve is the move before the block that is read: nothing was left out in between.
+    pub(crate) goes_on: bool,
 }
 
 impl<'r, 't, 'p> Reader<'r, 't, 'p> {
     /// A reader at the beginning of a program.
-    pub(crate) fn new(report: &'r mut Report<'t>, part: &'p mut Part, options: ReadOptions) -> Self {
+    pub(crate) fn new(
+        report: &'r mut Report<'t>,
+        part: &'p mut Part,
+        options: ReadOptions,
+        tools: &'p ToolTable,
+    ) -> Self {
         let mut modal = Modal::default();
         modal.inches = options.unit == Some(Unit::Inch);
         modal.feed_in_inches = modal.inches;
@@ -118,7 +134,8 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             is_declared: options.dialect.is_some(),
             whole_units: options.dialect == Some(Dialect::Fanuc),
             unread_name: None,
-            unread_frame: None,
+            unread_frames: Frames::default(),
+            has_g_word: false,
             unread: None,
             cut_speed_from: None,
             names_y: false,
@@ -131,6 +148,11 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             spline: None,
             smooth: None,
             ended: false,
+            tools: Cow::Borrowed(tools),
+            tool: ToolInUse::default(),
+            compensation: None,
+            off_contour: None,
+            goes_on: false,
         }
     }
 
@@ -156,6 +178,9 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             for curve in &mut self.part.curves[self.unknown_from[axis]..] {
                 curve.move_points(|point| point[axis] = begin);
             }
+            if let Some(compensation) = &mut self.compensation {
+                compensation.waiting().iter_mut().for_each(|one| one.put(axis, begin));
+            }
         }
     }
 
@@ -168,6 +193,14 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
 
     /// The last move ends at rest.
     pub(crate) fn rest(&mut self) {
+        match self.compensation.as_mut().and_then(|compensation| compensation.waiting().last_mut()) {
+            Some(last) => last.what.rests = true,
+            None => self.rest_at_last(),
+        }
+    }
+
+    /// The last move of the part ends at rest.
+    pub(crate) fn rest_at_last(&mut self) {
         self.stops.rest(self.part);
     }
 
@@ -181,12 +214,24 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         place: BlockPlace,
     ) {
         let (line, block) = (self.line_of(place.span), place.block);
+        if self.off_contour.is_some() {
+            if shape != Shape::Line {
+                self.off_contour = None;
+                self.report
+                    .error(place.span, "the move behind a compensation is not straight")
+                    .expected("G0 or G1 behind G40, which leads the tool back to the contour");
+                return;
+            }
+            let [start, ..] = curve.control_points_mm_mut() else { return };
+            *start = self.leave_contour(*start);
+        }
         if let Some(corner) = self.corner.take()
             && let Some((between, one)) = corner.turn(self.report, self.part, &mut curve, shape)
         {
             self.part.curves.push(between);
             self.part.moves.push(one);
         }
+        self.goes_on = true;
         self.bytes += curve.bytes() + size_of::<Move>();
         let one = Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop: false, line, block };
         self.stops.push(self.part, self.end, curve, one);

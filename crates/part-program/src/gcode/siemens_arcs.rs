@@ -96,7 +96,7 @@ impl Reader<'_, '_, '_> {
 
     /// The unit vector along the end of the last move, if it ends here.
     fn direction_before(&self, here: [f64; 3]) -> Option<[f64; 3]> {
-        let points = self.part.curves.last()?.control_points_mm();
+        let points = self.part.curves.last().filter(|_| self.goes_on)?.control_points_mm();
         let (end, before) = points.split_last().filter(|(end, _)| is_joined(end, &here))?;
         let from = before.iter().rev().find(|point| *point != end)?;
         unit(difference(end, from))

@@ -2,10 +2,11 @@
 
 use crate::curve::Curve;
 use crate::gcode::block::Block;
+use crate::gcode::block_place::BlockPlace;
 use crate::gcode::fanuc::FanucNurbs;
 use crate::gcode::linuxcnc::{self, LinuxCncNurbs, axes_of};
 use crate::gcode::modal::{FeedMode, Motion};
-use crate::gcode::reader::{BlockPlace, Reader};
+use crate::gcode::reader::Reader;
 use crate::gcode::siemens::SiemensSpline;
 use crate::gcode::spline::Spline;
 use crate::moves::{MoveKind, Shape};

@@ -85,7 +85,7 @@ pub(crate) enum Count {
 
 /// Names of Siemens that leave the path as it is: messages, the preprocessing of blocks, how axes are accelerated, where F
 /// holds on arcs, the sides of a compensation that is off, and the graphics of a simulation.
-pub(super) const PASSED: [&str; 38] = [
+pub(super) const PASSED: [&str; 40] = [
     "BRISK",
     "BRISKA",
     "CFC",
@@ -122,6 +122,8 @@ pub(super) const PASSED: [&str; 38] = [
     "SOFT",
     "SOFTA",
     "STOPRE",
+    "TOROTOF",
+    "TRAFOOF",
     "WALIMOF",
     "WALIMON",
 ];

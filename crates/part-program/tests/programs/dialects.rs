@@ -296,13 +296,13 @@ fn words_that_switch_nothing_of_the_path_are_read() {
 /// The motion of a block with a word that is not read holds; its axes are left out, and their place is unknown.
 #[test]
 fn a_word_that_is_not_read_takes_no_modal_word_with_it() {
-    let part = lenient("G0 X0 Y0\nG41 D1 G1 X10 F600\nY10\nX20 Y20\nX30\n");
+    let part = lenient("G0 X0 Y0\nG47 D1 G1 X10 F600\nY10\nX20 Y20\nX30\n");
     assert_eq!(ends(&part), [(MoveKind::Feed, [30.0, 20.0, 0.0])]);
     assert!(part.moves.iter().all(|one| one.feedrate_mm_per_s == Some(10.0)));
     assert_eq!(part.auxiliary[0].letter, 'D');
     let lost = "where the tool is on X, Y before this move at feed is not known: its way there is left out";
     let moves = "left out: where the tool is is not known, since a block before it was left out";
-    assert_eq!(said(&part), [(2, "`G41` is not read: X10 left out of its block"), (3, moves), (4, lost)]);
+    assert_eq!(said(&part), [(2, "`G47` is not read: X10 left out of its block"), (3, moves), (4, lost)]);
     let zero = lenient("G21 G0 X5 Y5 Z9\nG28 G91 Z0\nG53 G90 G0 X1 Y1\nG20 G187 P2\nG1 X1 Y1 Z1\nX2\n");
     assert_eq!(ends(&zero), [(MoveKind::Feed, [50.8, 25.4, 25.4])]);
     let lost =

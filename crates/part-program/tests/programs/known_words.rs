@@ -92,6 +92,7 @@ fn every_word_of_the_table_is_read_in_some_block() {
         "P2 K0 X1 Y0\nK0 X5\nK1\nK1",
         "P1\nX4 Y4 P1\nX5 Y0 P1\nG5.3",
         "\nG1 X3 E1\nM83",
+        "D0.1",
     ];
     let ends = "M30\nO7\nG1 X9\nM99\n";
     for word in known_words().iter().filter(|word| word.letter == 'G') {

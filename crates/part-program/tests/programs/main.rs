@@ -5,6 +5,7 @@ mod approaches;
 mod as_written;
 mod cad;
 mod canon;
+mod compensation;
 mod cycles;
 mod dialects;
 mod evaluation;

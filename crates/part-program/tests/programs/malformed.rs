@@ -77,7 +77,7 @@ const MALFORMED: &[(&str, &str, &str)] = &[
     ("G93 G94 G0 X5\nX6", "1:5", "`G93` and `G94`: two kinds of feed in one block"),
     ("G90.1 G91.1 G0 X5\nX6", "1:7", "`G90.1` and `G91.1`: two kinds of arc centres in one block"),
     ("G61 G64 G0 X5\nX6", "1:5", "`G61` and `G64`: two path modes in one block"),
-    ("G41 X5", "1:1", "cutter compensation, `G41`, is not read"),
+    ("G41 D1 X5", "1:1", "the radius of tool 1 is not known"),
     ("G0 X0\nG81 X5 Z-3", "2:1", "a cycle without R"),
     ("G0 X0\nG81 X5 R1", "2:1", "a cycle without Z"),
     ("G0 X0\nG81 X5 R1 Z2", "2:1", "the hole ends at 2.0000 mm, and begins at 1.0000 mm"),
@@ -189,7 +189,7 @@ fn an_unknown_name_with_its_number_is_one_error() {
 
 #[test]
 fn a_text_beyond_the_limit_is_refused() {
-    let text = " ".repeat(part_program::MAX_TEXT + 1);
+    let text = format!("{{{}", " ".repeat(part_program::MAX_TEXT));
     let errors = read_part("p", &text).unwrap_err().to_string();
     assert!(errors.contains("the text has 67108865 bytes") && errors.contains("at most 64 MiB"), "{errors}");
 }

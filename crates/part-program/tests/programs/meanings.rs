@@ -1,6 +1,6 @@
 //! Words that mean different things on different controls, and words that change what others mean.
 
-use part_program::{Dialect, MoveKind, Part, ReadOptions, Unit, inspect, read_part_with};
+use part_program::{Dialect, MoveKind, Part, ReadOptions, Severity, Unit, inspect, read_part_with};
 
 fn read(text: &str, options: ReadOptions) -> Part {
     read_part_with("p.nc", text, options).unwrap_or_else(|errors| panic!("{text}{errors}"))
@@ -114,6 +114,38 @@ fn limits_that_a_printer_sets_are_named() {
         ]
     );
     near(inspect(&part).length_mm, 20.0, text);
+    // They change nothing of the path: `check` notes them and calls nothing suspicious.
+    assert!(part.warnings.iter().all(|said| said.severity == Severity::Note));
+}
+
+/// Beside a move a printer's word takes what is its own, and leaves the move its axes and its feed.
+#[test]
+fn a_word_of_a_printer_beside_a_move_leaves_it_its_axes() {
+    let head = "M104 S200\nG21 G90\nG0 X0 Y0 Z0\n";
+    for block in [
+        "G1 X20 F60 M204 S500",
+        "G1 X20 F60 M203 Z5 Y0",
+        "M205 G1 X20 F60",
+        "M220 S100 G1 X20 F60",
+        "G1 X20 F60 M106 S255",
+        "G1 M201 X20 F60",
+    ] {
+        let part = read(&format!("{head}{block}\n"), ReadOptions::default());
+        let way = if block.contains("Z5") { 20.0_f64.hypot(5.0) } else { 20.0 };
+        near(inspect(&part).length_mm, way, block);
+        assert_eq!(feeds(&part), [1.0], "{block}");
+    }
+    // Without a G word what stands before it is the move's, and all behind it is its own.
+    near(
+        inspect(&read(&format!("{head}G1 X5 F60\nX20 M203 Y500 Z9\n"), ReadOptions::default())).length_mm,
+        20.0,
+        "",
+    );
+    near(
+        inspect(&read(&format!("{head}G1 X5 F60\nM203 X500 Y500\n"), ReadOptions::default())).length_mm,
+        5.0,
+        "",
+    );
 }
 
 /// LinuxCNC's dwell takes P alone: coordinates of its block are those of the motion in force, which follows the dwell.

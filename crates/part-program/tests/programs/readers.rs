@@ -66,7 +66,7 @@ fn faults_are_named_by_place() {
         (nc("P4", "P1"), "p.nc:3:", "order 1 is not supported"),
         (nc("X10.0", "XY"), "p.nc:4:", "`X` has no number"),
         (nc("Y34.1", "Q34.1"), "p.nc:4:", "no word of G06.2"),
-        (nc("G90;", "G41;"), "p.nc:2:1", "cutter compensation, `G41`, is not read"),
+        (nc("G90;", "G47;"), "p.nc:2:1", "`G47` is not read"),
         (nc("G90;", "(open;"), "p.nc:2:1", "no end"),
         (nc("G90;", "#100=;"), "p.nc:2:6", "a value is missing"),
         (("".into(), "p.nc"), "p.nc:1:1", "holds no curve"),
