@@ -6,7 +6,8 @@ fn main() {
     let header = std::fs::read_to_string(format!("{stem}.h")).unwrap();
     let source = std::fs::read_to_string(format!("{stem}.c")).unwrap();
     let periods = header.lines().find_map(|l| l.split_once("_PERIODS UINT32_C(")).unwrap().1.trim_end_matches(')').parse().unwrap();
-    let request = hardware::CoreRequest { header: &header, source: &source, name: &name, about: "x", bits: bits.parse().unwrap(), fraction_bits: fraction.parse().unwrap(), periods };
+    let checksum = u64::from_str_radix(header.lines().find_map(|l| l.split_once("_CHECKSUM 0x")).unwrap().1.trim_end_matches("ULL"), 16).unwrap();
+    let request = hardware::CoreRequest { header: &header, source: &source, name: &name, about: "x", bits: bits.parse().unwrap(), fraction_bits: fraction.parse().unwrap(), periods, checksum };
     match hardware::compile(&request) {
         Err(e) => println!("refused: {e}"),
         Ok(files) => {

@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use crate::control::program;
+use secant_interp::PositionChecksum;
+
+use crate::control::{positions, program};
 use crate::error::CoreError;
 use crate::executor::{self, Run};
 use crate::graph::{Graph, graph};
@@ -32,8 +34,10 @@ pub struct CoreRequest<'a> {
     pub bits: u32,
     /// Those of them behind the point.
     pub fraction_bits: u32,
-    /// Setpoints of the run.
+    /// Setpoints of the run, and the checksum of their positions.
     pub periods: usize,
+    /// See [`PositionChecksum`].
+    pub checksum: u64,
 }
 
 /// A core and its part.
@@ -89,8 +93,12 @@ pub fn compile(request: &CoreRequest<'_>) -> Result<CoreFiles, CoreError> {
     let microcode = microcode(&program, &graphs)?;
     let image = Image::of(&program, &microcode);
     let made = machine::run(&microcode, &image, program.numbers, program.outputs.len(), sections, most)?;
+    let checksum = checksum(request, &made)?;
+    if made.len() != request.periods || checksum != request.checksum {
+        return Err(CoreError::Differs { periods: made.len(), checksum });
+    }
     if made.len() != run.setpoints.len() || made.iter().zip(&run.setpoints).any(|(made, words)| made.words != *words) {
-        return Err(CoreError::NoStep { what: "microcode that gives what the C gives: report this as a fault" });
+        return Err(CoreError::Differs { periods: made.len(), checksum });
     }
     let Texts { core, microcode: words, part, testbench } =
         texts(&program, &microcode, &image, request.about, (made.len(), sections))?;
@@ -103,6 +111,27 @@ pub fn compile(request: &CoreRequest<'_>) -> Result<CoreFiles, CoreError> {
         setpoints: made.iter().map(|made| cut(&program, &made.words)).collect(),
         outputs: program.outputs.clone(),
     })
+}
+
+/// The checksum of all positions, which the C's own function gives.
+fn checksum(request: &CoreRequest<'_>, made: &[Made]) -> Result<u64, CoreError> {
+    let CoreRequest { header, source, name, bits, fraction_bits, .. } = *request;
+    let positions = positions(header, source, name, Numbers { bits, fraction_bits })?;
+    let mut registers = vec![0_i64; positions.program.registers as usize];
+    let mut checksum = PositionChecksum::default();
+    for made in made {
+        for (register, word) in positions.words.iter().zip(&made.words) {
+            registers[*register as usize] = *word;
+        }
+        executor::run_with(&positions.program, &mut registers, 0, MOST.0)?;
+        let axis = |axis: usize| positions.position.get(axis).map_or(0, |register| registers[*register as usize]);
+        if positions.position.len() == 3 {
+            checksum.add([axis(0), axis(1), axis(2)]);
+        } else {
+            checksum.add([axis(0), axis(1)]);
+        }
+    }
+    Ok(checksum.value())
 }
 
 fn sections(program: &Program) -> u32 {

@@ -3,7 +3,7 @@
 use crate::error::CoreError;
 use crate::front::{Frame, Front, Level, Meaning, Node, NodeId, ReturnTo, Target, Value};
 use crate::parser::unit;
-use crate::program::{End, Event, Numbers, OUTPUT_DONE, OUTPUT_WHOLE, Op, Operand, Program};
+use crate::program::{End, Event, Numbers, OUTPUT_DONE, OUTPUT_WHOLE, Op, Operand, Program, Register};
 use crate::syntax::{Expression, Kind, Statement, Type, What};
 
 /// Reads the files that `c-code` writes for the part of this name.
@@ -23,7 +23,60 @@ pub(crate) fn program(
     Ok(front.program)
 }
 
+/// What gives the position of a setpoint: a program, the registers of the setpoint's words, and those of the position.
+pub(crate) struct Positions {
+    pub(crate) program: Program,
+    pub(crate) words: Vec<Register>,
+    pub(crate) position: Vec<Register>,
+}
+
+/// Reads the function that gives a setpoint's position, in 2⁻³⁹ mm.
+///
+/// # Errors
+/// As [`program`].
+pub(crate) fn positions(header: &str, source: &str, name: &str, numbers: Numbers) -> Result<Positions, CoreError> {
+    let unit = unit(header, source)?;
+    let mut front = Front::new(&unit, numbers)?;
+    let function = format!("{name}_position");
+    front.count_calls(std::slice::from_ref(&function));
+    let entry = front.block();
+    (front.program.entry, front.current) = (entry, Some(entry));
+    front.frames.push(Frame {
+        levels: vec![Level::default()],
+        return_to: ReturnTo::Routine { result: None },
+        breaks: Vec::new(),
+    });
+    let of = Type::Struct(format!("{name}_setpoint"));
+    let axes = unit.numbers.iter().find(|(name, _)| name.ends_with("_AXES")).map_or(2, |(_, axes)| *axes);
+    let position = Type::Array(Box::new(Type::Number(Kind::Signed64)), usize::try_from(axes).ok());
+    let [setpoint, position] = [front.memory(&of, 0)?, front.memory(&position, 0)?];
+    for (name, node) in [("the setpoint", setpoint), ("the position", position)] {
+        front.name(name, Meaning::Node(node));
+    }
+    front.keep_in_use(&["the setpoint", "the position"]);
+    let named = |name: &str| Expression { what: What::Name(name.to_owned()), line: 0 };
+    front.call(&function, &[named("the setpoint"), named("the position")], 0, None)?;
+    front.end(End::Return, None);
+    let registers = |node| {
+        let mut found = Vec::new();
+        front.registers_in(node, &mut found);
+        found
+    };
+    let (words, position) = (registers(setpoint), registers(position));
+    Ok(Positions { program: front.program, words, position })
+}
+
 impl Front<'_> {
+    /// The registers of all numbers in a node, in their order.
+    fn registers_in(&self, node: NodeId, found: &mut Vec<Register>) {
+        match self.nodes.get(node) {
+            Some(Node::Number(register, _)) => found.push(*register),
+            Some(Node::Struct(members)) => members.iter().for_each(|(_, member)| self.registers_in(*member, found)),
+            Some(Node::Array(parts)) => parts.iter().for_each(|part| self.registers_in(*part, found)),
+            _ => {}
+        }
+    }
+
     fn whole(&mut self, name: &str) -> Result<(), CoreError> {
         let level = Level::default();
         let [idle, begin, head, out, done] = [(); 5].map(|()| self.block());

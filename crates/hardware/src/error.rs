@@ -41,6 +41,13 @@ pub enum CoreError {
         /// Its name.
         what: &'static str,
     },
+    /// The run is not that of the kernels: a fault of this crate.
+    Differs {
+        /// Its setpoints.
+        periods: usize,
+        /// The checksum of their positions.
+        checksum: u64,
+    },
     /// A run of the program comes to no end.
     Endless {
         /// Steps after which it was given up.
@@ -69,6 +76,9 @@ impl fmt::Display for CoreError {
                 write!(f, "numbers of {bits} bits: the core has 16 to 32 bits, fixed point")
             }
             Self::NoStep { what } => write!(f, "the core has no {what}"),
+            Self::Differs { periods, checksum } => {
+                write!(f, "the core's run of {periods} periods, checksum {checksum:#018x}, is not the part's: please report it")
+            }
             Self::Endless { steps } => write!(f, "the run is not over after {steps} operations"),
         }
     }

@@ -19,6 +19,19 @@ pub(crate) struct Run {
 /// [`CoreError::Endless`] after `most` operations.
 pub(crate) fn run(program: &Program, sections: u32, most: u64) -> Result<Run, CoreError> {
     let mut registers = vec![0_i64; program.registers as usize];
+    run_with(program, &mut registers, sections, most)
+}
+
+/// The same from these registers, which it changes.
+///
+/// # Errors
+/// As [`run`].
+pub(crate) fn run_with(
+    program: &Program,
+    registers: &mut [i64],
+    sections: u32,
+    most: u64,
+) -> Result<Run, CoreError> {
     let mut result = Run {
         setpoints: Vec::new(),
         counts: vec![0; program.blocks.len()],
@@ -33,7 +46,7 @@ pub(crate) fn run(program: &Program, sections: u32, most: u64) -> Result<Run, Co
             *count += 1;
         }
         for operation in &block.operations {
-            let [a, b, c] = operation.operands.map(|operand| value(program, &registers, operand));
+            let [a, b, c] = operation.operands.map(|operand| value(program, registers, operand));
             match operation.op {
                 Op::Output(OUTPUT_WHOLE) => result.setpoints.push(words.clone()),
                 Op::Output(OUTPUT_DONE) => {}
@@ -59,7 +72,7 @@ pub(crate) fn run(program: &Program, sections: u32, most: u64) -> Result<Run, Co
         at = match block.end {
             End::Jump(to) => to,
             End::Branch { compare, a, b, then, other } => {
-                let [a, b] = [a, b].map(|operand| value(program, &registers, operand));
+                let [a, b] = [a, b].map(|operand| value(program, registers, operand));
                 if compare.holds(a, b) {
                     result.held.iter_mut().skip(at).take(1).for_each(|count| *count += 1);
                     then

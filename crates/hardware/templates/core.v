@@ -257,41 +257,43 @@ always @(posedge clk) begin
 {%- endfor %}
 end
 
-// Shifts: the distance, then the rounding.
-wire [63:0] distance = x_b;
+// Shifts: a rotation to the right, then what is left of it, rounded.
 wire is_scale = x_op == SCALE;
-wire to_left = x_op == SHIFT_LEFT || x_op == TO_PHASE || (is_scale && !distance[63]);
-wire [63:0] magnitude = distance[63] ? -distance : distance;
-wire is_far = |magnitude[63:6];
+wire to_left = x_op == SHIFT_LEFT || x_op == TO_PHASE || (is_scale && !x_b[8]);
+wire [8:0] magnitude = x_b[8] ? -x_b[8:0] : x_b[8:0];
+wire is_far = |magnitude[8:6];
 wire [5:0] places = is_far ? 6'd63 : magnitude[5:0];
-wire [63:0] all = 64'hffffffffffffffff >> places;
-wire [63:0] twice = {x_a[62:0], 1'b0};
+wire [5:0] rotation = to_left ? -places : places;
+wire [63:0] turned_in = is_scale && !to_left ? {x_a[62:0], 1'b0} : x_a;
+wire [63:0] turned_1 = rotation[1] ? (rotation[0] ? {turned_in[2:0], turned_in[63:3]} : {turned_in[1:0], turned_in[63:2]})
+    : (rotation[0] ? {turned_in[0], turned_in[63:1]} : turned_in);
+wire [63:0] turned_2 = rotation[3] ? (rotation[2] ? {turned_1[11:0], turned_1[63:12]} : {turned_1[7:0], turned_1[63:8]})
+    : (rotation[2] ? {turned_1[3:0], turned_1[63:4]} : turned_1);
+wire [63:0] turned_3 = rotation[5] ? (rotation[4] ? {turned_2[47:0], turned_2[63:48]} : {turned_2[31:0], turned_2[63:32]})
+    : (rotation[4] ? {turned_2[15:0], turned_2[63:16]} : turned_2);
+wire [63:0] below = 64'hffffffffffffffff >> rotation;
 reg shifts;
 reg [FIELD - 1:0] shift_to;
-reg rounds, cuts;
-reg [63:0] shifted;
+reg rounds, cuts, saturates, gives_none, fills;
+reg [63:0] turned, mask;
 
 always @(posedge clk) begin
     shifts <= x_valid && x_op[5:3] == 3 && !reset;
     shift_to <= x_to;
     rounds <= is_scale && !to_left;
-    cuts <= is_scale && to_left;
-    if (x_op == TO_PHASE && (x_a[63] || x_a == 0))
-        shifted <= 0;
-    else if (x_op == TO_PHASE && |(x_a & ~all))
-        shifted <= 64'hffffffffffffffff;
-    else if (is_far && !(is_scale && !to_left))
-        shifted <= 0;
-    else if (to_left)
-        shifted <= x_a << places;
-    else if (is_scale)
-        shifted <= $signed(twice) >>> places;
-    else
-        shifted <= x_a >> places;
+    cuts <= is_scale;
+    saturates <= x_op == TO_PHASE;
+    gives_none <= (x_op == TO_PHASE && x_a[63]) || (is_far && !(is_scale && !to_left));
+    fills <= is_scale && !to_left && x_a[63];
+    turned <= turned_3;
+    mask <= to_left && rotation != 0 ? ~below : to_left ? 64'hffffffffffffffff : below;
 end
 
-wire [63:0] up = $signed(shifted + 64'd1) >>> 1;
-wire [63:0] of_shift = rounds ? cut(up) : cuts ? cut(shifted) : shifted;
+wire [63:0] shifted = (turned & mask) | (fills ? ~mask : 64'd0);
+wire [W:0] rounded = shifted[W:0] + {{ "{{" }}W{1'b0}}, rounds};
+wire [W - 1:0] scaled = rounds ? rounded[W:1] : shifted[W - 1:0];
+wire [63:0] of_shift = gives_none ? 64'd0 : saturates && |(turned & ~mask) ? 64'hffffffffffffffff
+    : cuts ? { {(64 - W){scaled[W - 1]}}, scaled} : shifted;
 
 // Products.
 {% if bits > 18 -%}
@@ -350,15 +352,15 @@ wire [63:0] of_product = sum_op == PRODUCT || sum_op == ROUNDED_SUM ? { {(64 - W
 
 // Quotients and roots, a bit a cycle.
 reg [5:0] left;
-reg works, is_root, is_negative, is_beyond, rounds_up, gives;
+reg works, is_first, is_root, is_negative, is_beyond, rounds_up, gives;
 reg [FIELD - 1:0] long_to;
 reg [63:0] digits;
 reg [33:0] rest;
 reg [31:0] found;
 reg [31:0] divisor;
 reg [63:0] of_long;
-wire [63:0] size_a = x_a[63] ? -x_a : x_a;
-wire [63:0] size_b = x_b[63] ? -x_b : x_b;
+wire [W - 1:0] size_a = x_a[63] ? -x_a[W - 1:0] : x_a[W - 1:0];
+wire [W - 1:0] size_b = x_b[63] ? -x_b[W - 1:0] : x_b[W - 1:0];
 wire [35:0] shifted_rest = is_root ? {rest, digits[63:62]} : {1'b0, rest, digits[63]};
 wire [33:0] trial = is_root ? {found, 2'b01} : {2'b00, divisor};
 wire fits = shifted_rest >= {2'b00, trial};
@@ -375,7 +377,8 @@ always @(posedge clk) begin
         is_root <= x_op == ROOT;
         long_to <= x_to;
         is_negative <= x_op == DIVIDE && x_a[63] != x_b[63];
-        divisor <= size_b[31:0];
+        divisor <= size_b;
+        is_first <= 1;
         found <= 0;
         left <= x_op == ROOT ? 6'd31 : W - 1;
         if (x_op == ROOT) begin
@@ -383,9 +386,9 @@ always @(posedge clk) begin
             rest <= 0;
             is_beyond <= 0;
         end else begin
-            digits <= size_a << (F + 64 - W);
-            rest <= size_a[W - 1:0] >> (W - F);
-            is_beyond <= (size_a[W - 1:0] >> (W - F)) >= size_b;
+            digits <= {size_a[W - F - 1:0], {(64 - W + F){1'b0}}};
+            rest <= size_a[W - 1:W - F];
+            is_beyond <= 0;
         end
         rounds_up <= x_a != 0;
     end else if (works) begin
@@ -393,6 +396,10 @@ always @(posedge clk) begin
         rest <= fits ? rest_after[33:0] : shifted_rest[33:0];
         digits <= is_root ? digits << 2 : digits << 1;
         left <= left - 1'b1;
+        is_first <= 0;
+        // A quotient of more than W bits.
+        if (is_first && !is_root)
+            is_beyond <= rest >= {2'b00, divisor};
         if (left == 0) begin
             works <= 0;
             after <= 1;
