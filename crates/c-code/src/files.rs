@@ -9,7 +9,7 @@ use crate::c_part::{COverride, CPart, ExpectedRun};
 use crate::exponents::ToPhase;
 use crate::name::CError;
 use crate::overridden_run::OverriddenRun;
-use crate::values::Values;
+use crate::values::{Reader, Values};
 
 /// The two files of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,11 +52,24 @@ impl<R: Backend, const D: usize> CPart<'_, R, D> {
     /// # Errors
     /// [`CError`] if C has no type for the format, or the path cannot be counted.
     pub fn files(&self) -> Result<CFiles, CError> {
+        self.files_for(Reader::Compiler)
+    }
+
+    /// The same as a description of the step, for what has numbers of its own: fixed point of any width from 16 to 32 bits. Its section
+    /// *Numbers* holds for those widths alone that C has.
+    ///
+    /// # Errors
+    /// [`CError`] if the format is no such, or the path cannot be counted.
+    pub fn description(&self) -> Result<CFiles, CError> {
+        self.files_for(Reader::Hardware)
+    }
+
+    fn files_for(&self, reader: Reader) -> Result<CFiles, CError> {
         let overridden = self.feed_override.map(|COverride { feeds, commanded }| {
             OverriddenRun::of(self.path, &feeds, commanded, self.run.periods).ok_or(CError::Unfinished)
         });
         let overridden = overridden.transpose()?;
-        let values = Values::of(self, overridden)?;
+        let values = Values::of(self, overridden, reader)?;
         let text = |rendered: askama::Result<String>| rendered.map(with_end).unwrap_or_default();
         Ok(CFiles {
             header: text(Header(&values).render()),

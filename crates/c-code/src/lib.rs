@@ -27,6 +27,6 @@ mod values;
 
 pub use c_part::{COverride, CPart, ExpectedRun};
 pub use files::CFiles;
-pub use literal::expect_type;
+pub use literal::{expect_described, expect_type};
 pub use name::{CError, CName};
 pub use overridden_run::{OverriddenRun, RateCommand};

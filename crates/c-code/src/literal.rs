@@ -25,12 +25,32 @@ pub(crate) fn number_type(format: FormatName) -> Option<&'static str> {
     }
 }
 
+/// The type that stands for numbers of a format where C is read and not compiled: any width from 16 to 32 bits has one.
+pub(crate) fn described_type(format: FormatName) -> Option<&'static str> {
+    match format {
+        FormatName::Fixed { integer_bits: integer_bits @ 2.., fraction_bits, .. }
+            if format == FormatName::fixed(integer_bits, fraction_bits) && (16..=32).contains(&format.bits()) =>
+        {
+            Some("int32_t")
+        }
+        _ => None,
+    }
+}
+
 /// Refuses a format that C has no type for.
 ///
 /// # Errors
 /// [`CError::NoType`].
 pub fn expect_type(format: FormatName) -> Result<(), CError> {
     number_type(format).map(|_| ()).ok_or(CError::NoType(format))
+}
+
+/// Refuses a format that a description has no numbers for.
+///
+/// # Errors
+/// [`CError::NoWidth`].
+pub fn expect_described(format: FormatName) -> Result<(), CError> {
+    described_type(format).map(|_| ()).ok_or(CError::NoWidth(format))
 }
 
 /// A number as a constant of its format's type.

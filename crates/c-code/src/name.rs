@@ -15,6 +15,8 @@ pub struct CName(String);
 pub enum CError {
     /// C has no type for the format.
     NoType(FormatName),
+    /// A description has no numbers of the format.
+    NoWidth(FormatName),
     /// The path has no pieces or no sections.
     Empty,
     /// The text is no identifier of C.
@@ -33,6 +35,9 @@ impl fmt::Display for CError {
                     f,
                     "{format} is no type of C: expected a float, or fixed point of 8, 16, 32 or 64 bits"
                 )
+            }
+            Self::NoWidth(format) => {
+                write!(f, "the core has no numbers of {format}: expected fixed point of 16 to 32 bits that rounds to nearest and wraps")
             }
             Self::Empty => f.write_str("the path has no pieces"),
             Self::Name(name) => write!(

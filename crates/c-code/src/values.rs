@@ -9,7 +9,7 @@ use secant_interp::{Crossing, LANDING_REACH, LengthStage, Section, StageShape, T
 use crate::c_part::CPart;
 use crate::exponents::{Exponents, MOST_UNROLLED};
 use crate::factors::Factors;
-use crate::literal::{number, number_type};
+use crate::literal::{described_type, number, number_type};
 use crate::name::CError;
 use crate::overridden_run::OverriddenRun;
 use crate::shapes::Shape;
@@ -158,13 +158,26 @@ pub(crate) struct CrossingRow {
     pub(crate) distance: String,
 }
 
+/// Who reads the files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reader {
+    /// A compiler of C, which has types of certain widths.
+    Compiler,
+    /// What takes the step as a description, and has its own numbers.
+    Hardware,
+}
+
 impl Values {
     pub(crate) fn of<R: Backend, const D: usize>(
         part: &CPart<'_, R, D>,
         overridden: Option<OverriddenRun>,
+        reader: Reader,
     ) -> Result<Self, CError> {
         let format = R::name();
-        let number_type = number_type(format).ok_or(CError::NoType(format))?;
+        let number_type = match reader {
+            Reader::Compiler => number_type(format).ok_or(CError::NoType(format))?,
+            Reader::Hardware => described_type(format).ok_or(CError::NoWidth(format))?,
+        };
         let run = part.path.interpolator();
         let (pieces, stages, sections) = (run.pieces, run.lengths.stages, part.path.sections());
         if pieces.pieces.is_empty() || sections.iter().any(|section| section.pieces.is_empty()) {

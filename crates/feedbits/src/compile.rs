@@ -1,10 +1,11 @@
-//! `feedbits compile`: a part for a controller, as constants that its firmware includes, as C, or as a file that it reads
-//! section by section.
+//! `feedbits compile`: a part for a controller, as constants that its firmware includes, as C, as a core in Verilog, or as a file
+//! that it reads section by section.
 
 mod c;
 mod judged;
 mod rust;
 mod stream;
+mod verilog;
 
 use std::borrow::Cow;
 
@@ -26,7 +27,7 @@ use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input, in_part};
 use crate::numbers::{number, whole};
-use crate::places::Place;
+use crate::places::{Folder, Place};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::{candidates, output};
@@ -38,10 +39,10 @@ pub(crate) struct Arguments {
     input: Input,
     #[command(flatten)]
     run: RunArguments,
-    /// The number format: a float, or fixed point of 8, 16, 32 or 64 bits.
+    /// The number format: a float, or fixed point of 8, 16, 32 or 64 bits; for a core, fixed point of 16 to 32 bits.
     #[arg(long, value_name = "F", add = ArgValueCandidates::new(candidates::formats))]
     format: String,
-    /// The language: constants for the Rust kernels, or C99 with the step in it.
+    /// The language: constants for the Rust kernels, C99 with the step in it, or a core that makes the step.
     #[arg(long, value_enum, default_value_t = Language::Rust)]
     language: Language,
     /// A file of sections from stop to stop, which a controller reads through a small buffer, instead of a language.
@@ -51,7 +52,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "BYTES", requires = "stream", value_parser = whole::<usize>(&BUFFER))]
     buffer: Option<usize>,
     /// Write to this file instead of the terminal. For C: to PATH.h and PATH.c, whose public names begin with PATH's last
-    /// part.
+    /// part. For Verilog: into this folder.
     #[arg(long, value_name = "PATH")]
     out: Option<std::path::PathBuf>,
     /// Bytes of flash for the tables: refuse a part that takes more.
@@ -81,6 +82,9 @@ impl Arguments {
     /// The overrides that the files shall allow.
     fn overrides(&self) -> Result<Option<Overrides>> {
         let Some(percent) = self.feed_override else { return Ok(None) };
+        if self.language == Language::Verilog {
+            bail!("--feed-override goes with --language c or --stream: the core has no feed override and no hold");
+        }
         if self.language == Language::Rust && !self.stream {
             bail!(
                 "--feed-override goes with --language c or --stream: in Rust the firmware calls `step_overridden`"
@@ -98,12 +102,15 @@ enum Language {
     Rust,
     /// A header and a source that need nothing else.
     C,
+    /// A small core with its microcode and tables, and a testbench.
+    Verilog,
 }
 
 /// Where a part goes.
 enum Destination {
     Rust(Place),
     C(CPlace),
+    Verilog(Folder),
     Stream(StreamPlace),
 }
 
@@ -114,6 +121,7 @@ impl Arguments {
         Ok(match self.language {
             _ if self.stream => Destination::Stream(StreamPlace::of(out, self.buffer)?),
             Language::C => Destination::C(CPlace::of(out)?),
+            Language::Verilog => Destination::Verilog(verilog::folder(out)?),
             Language::Rust => Destination::Rust(Place::named("--out", out)?),
         })
     }
@@ -150,9 +158,11 @@ where
     let to_plan =
         overrides.as_ref().map_or(Cow::Borrowed(problem), |overrides| Cow::Owned(overrides.to_plan(problem)));
     expect_an_end(&to_plan, &options)?;
-    if let Destination::C(_) = place {
-        // What C cannot hold is refused before the long run of the judge.
-        c::expect_type(format)?;
+    // What C, or the core, cannot hold is refused before the long run of the judge.
+    match place {
+        Destination::C(_) => c::expect_type(format)?,
+        Destination::Verilog(_) => verilog::expect_format(format)?,
+        _ => {}
     }
     let progress = Progress::spinning("compiling");
     let Compared { mut comparison, plan, .. } =
@@ -170,6 +180,7 @@ where
     let judged = Judged { problem: to_plan, plan, options, format, about, fault: fault_of(row) };
     match place {
         Destination::C(place) => c::write(&judged, place, arguments.flash, progress)?,
+        Destination::Verilog(folder) => verilog::write(&judged, folder, arguments.flash, progress)?,
         Destination::Stream(place) => stream::write(&judged, place, progress)?,
         Destination::Rust(place) => rust::write(&judged, place, arguments.flash, progress)?,
     }

@@ -17,6 +17,8 @@ pub struct CRequest {
     pub about: String,
     /// Why the run is not good enough; `None` if it is.
     pub fault: Option<String>,
+    /// Whether the files are a description for hardware, in a format of any width, and not for a compiler.
+    pub is_description: bool,
 }
 
 /// Compiles the part and its plan, runs the result, and writes it in C. The plan must rest at each gap of the part. With
@@ -27,7 +29,7 @@ pub(crate) fn c_files<R: Backend, const D: usize>(
 ) -> Result<CFiles, Refusal> {
     let path = on_pieces::compiled::<R, D>(job)?;
     let (periods, checksum) = run(&path.interpolator(), path.sections(), job.most_periods())?;
-    let CRequest { name, about, fault } = request.clone();
+    let CRequest { name, about, fault, is_description } = request.clone();
     let part = CPart {
         name,
         about,
@@ -41,5 +43,6 @@ pub(crate) fn c_files<R: Backend, const D: usize>(
             .as_ref()
             .map(|commands| COverride { feeds: commands.feeds, commanded: commands.commanded_share() }),
     };
-    part.files().map_err(Refusal::C)
+    let files = if is_description { part.description() } else { part.files() };
+    files.map_err(Refusal::C)
 }

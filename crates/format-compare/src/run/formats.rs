@@ -182,7 +182,11 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         request: &CRequest,
     ) -> Result<CFiles, Refusal> {
-        in_format_named(self.within(R::name), WritingC { job: Job::new(problem, plan, options), request })
+        let job = Job::new(problem, plan, options);
+        if request.is_description {
+            return self.within(|| c_files::c_files::<R, D>(&job, request));
+        }
+        in_format_named(self.within(R::name), WritingC { job, request })
     }
 
     fn stream(

@@ -1,0 +1,117 @@
+//! The executor of microcode: cycle by cycle what the core does, with results that come late and a register file of one write port.
+
+use crate::error::CoreError;
+use crate::image::Image;
+use crate::microcode::{Action, Microcode, Slot, Source, Word};
+use crate::program::{Event, Numbers, OUTPUT_DONE, OUTPUT_WHOLE, Op};
+use crate::timing::{BUBBLE, SUM, latency};
+
+/// A setpoint and when it was made.
+#[derive(Clone, Debug)]
+pub(crate) struct Made {
+    pub(crate) words: Vec<i64>,
+    /// Cycles from when the last one was taken until this one is whole.
+    pub(crate) cycles: u64,
+    /// Cycles until the next one can be asked for.
+    pub(crate) until_ready: u64,
+}
+
+/// Runs these sections; each setpoint is taken at once.
+///
+/// # Errors
+/// [`CoreError::Endless`] after `most` words; [`CoreError::TooMany`] if two results come in one cycle.
+pub(crate) fn run(
+    microcode: &Microcode,
+    image: &Image,
+    numbers: Numbers,
+    outputs: usize,
+    sections: u32,
+    most: u64,
+) -> Result<Vec<Made>, CoreError> {
+    let mut slots = vec![0_i64; 512];
+    let mut coming: Vec<(u64, Slot, i64)> = Vec::new();
+    let (mut at, mut cycle, mut calls, mut begun) = (0, 0_u64, Vec::new(), 0_u32);
+    let (mut words, mut made): (Vec<i64>, Vec<Made>) = (vec![0; outputs], Vec::new());
+    let mut asked = 0;
+    for _ in 0..most {
+        let Some(word) = microcode.words.get(at) else { break };
+        coming.retain(|(when, to, value)| {
+            let is_here = *when <= cycle;
+            if is_here {
+                slots[usize::from(*to)] = *value;
+            }
+            !is_here
+        });
+        let [a, b, c] = read(word, &slots, image);
+        let (mut next, mut then) = (at + 1, cycle + 1 + u64::from(word.wait));
+        match word.action {
+            Action::Nothing => {}
+            Action::Load(row) => {
+                write(&mut coming, cycle + u64::from(SUM), word.to, row)?;
+            }
+            Action::Compute(Op::Output(OUTPUT_WHOLE)) => {
+                let cycles = cycle + u64::from(SUM) - asked;
+                made.push(Made { words: words.clone(), cycles, until_ready: 0 });
+            }
+            Action::Compute(Op::Output(OUTPUT_DONE)) => {}
+            Action::Compute(Op::Output(place)) => {
+                words.iter_mut().skip(place.into()).take(1).for_each(|word| *word = a)
+            }
+            Action::Compute(op) => {
+                let value = match op {
+                    Op::Input => i64::from(begun) - 1,
+                    op => numbers.value(op, [a, b, c]),
+                };
+                write(&mut coming, cycle + u64::from(latency(op, numbers)), word.to, value)?;
+            }
+            Action::Branch { compare, on } => {
+                if compare.holds(a, b) == on {
+                    (next, then) = (word.target, cycle + 1 + u64::from(BUBBLE));
+                }
+            }
+            Action::Jump | Action::Call => {
+                if word.action == Action::Call {
+                    calls.push(at + 1);
+                }
+                (next, then) = (word.target, cycle + 1 + u64::from(BUBBLE));
+            }
+            Action::Return => {
+                next = calls.pop().unwrap_or(usize::MAX);
+                then = cycle + 1 + u64::from(BUBBLE);
+            }
+            Action::Wait(Event::Start) => {
+                if begun == sections {
+                    return Ok(made);
+                }
+                begun += 1;
+                asked = cycle;
+            }
+            Action::Wait(Event::Taken) => {
+                if let Some(last) = made.last_mut().filter(|last| last.until_ready == 0) {
+                    last.until_ready = cycle - asked;
+                }
+                asked = cycle;
+            }
+        }
+        (at, cycle) = (next, then);
+    }
+    Err(CoreError::Endless { steps: most })
+}
+
+fn write(coming: &mut Vec<(u64, Slot, i64)>, when: u64, to: Slot, value: i64) -> Result<(), CoreError> {
+    if coming.iter().any(|(other, ..)| *other == when) {
+        return Err(CoreError::TooMany { what: "results in one cycle", needed: 2, most: 1 });
+    }
+    coming.push((when, to, value));
+    Ok(())
+}
+
+fn read(word: &Word, slots: &[i64], image: &Image) -> [i64; 3] {
+    word.sources.map(|source| match source {
+        Source::Slot(slot) => slots[usize::from(slot)],
+        Source::Table { pointer, column } => {
+            let address = slots[usize::from(pointer)] | i64::from(column);
+            usize::try_from(address).ok().and_then(|address| image.words.get(address)).copied().unwrap_or(0)
+        }
+    })
+}

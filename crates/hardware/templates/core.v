@@ -1,0 +1,433 @@
+// A core for one kind of part: {{ about }}
+//
+// Written by `feedbits compile --language verilog`, version {{ version }}; edited by nobody. The program is in microcode.hex, the part in
+// part.hex. Registers have 64 bits. A number is a word of {{ bits }} bits with its sign in the bits above, {{ fraction_bits }} bits behind the point.
+//
+// A word of microcode is issued a cycle, unless the one before asks to wait. Stages: issue, in which rows and registers are addressed;
+// read, in which operands arrive; one stage for sums, two for shifts, three for products. Nothing is forwarded: words are ordered so
+// that a result is there when it is read, and that one result is written a cycle.
+`default_nettype none
+
+module feedbits_core #(
+    parameter MICROCODE = "microcode.hex",
+    parameter PART = "part.hex"
+) (
+    input  wire clk,
+    input  wire reset,
+    // Words of another part, while the core is idle.
+    input  wire table_write,
+    input  wire [{{ table_bits - 1 }}:0] table_address,
+    input  wire [63:0] table_data,
+    // A section begins; `done` is high for a cycle when all of its setpoints were made.
+    input  wire start,
+    input  wire [{{ bits - 2 }}:0] section,
+    output wire idle,
+    output reg  done,
+    // Setpoints, as an AXI4 stream: the next one is made when this one was taken.
+    output reg  valid,
+    input  wire ready,
+{%- for output in outputs %}
+    output reg  [{{ output.bits - 1 }}:0] {{ output.name }}{% if !loop.last %},{% endif %}
+{%- endfor %}
+);
+
+localparam W = {{ bits }};
+localparam F = {{ fraction_bits }};
+localparam FIELD = {{ field_bits }};
+localparam SLOT = {{ slot_bits }};
+localparam COLUMN = {{ column_bits }};
+localparam TABLE = {{ table_bits }};
+localparam ADDRESS = {{ address_bits }};
+localparam WORD = 14 + 4 * FIELD;
+
+localparam [5:0] MOVE = 1, ADD = 2, SUB = 3, ADD_NUMBERS = 4, SUB_NUMBERS = 5, MIN = 6, MAX = 7, AND = 10, OR = 11, INPUT = 15,
+    LOAD = 16, OUTPUT = 17, BRANCH = 18, JUMP = 19, CALL = 20, RETURN = 21, WAIT_START = 22, WAIT_TAKEN = 23,
+    SHIFT_LEFT = 24, SHIFT_RIGHT = 25, SCALE = 26, TO_PHASE = 28, PRODUCT = 32, SUM = 33, ROUNDED_SUM = 34, DIVIDE = 36, ROOT = 37;
+
+// The last W bits, with their sign above.
+function [63:0] cut(input [63:0] x);
+    cut = {% raw %}{{{% endraw %}(64 - W){x[W - 1]}}, x[W - 1:0]};
+endfunction
+
+// Issue.
+reg [WORD - 1:0] microcode [0:(1 << ADDRESS) - 1];
+initial $readmemh(MICROCODE, microcode);
+
+reg [ADDRESS - 1:0] next_address;
+reg [WORD - 1:0] word;
+reg word_valid;
+reg [5:0] waited;
+reg taken;
+reg [ADDRESS - 1:0] target;
+
+wire [5:0] op = word[WORD - 1 -: 6];
+wire [5:0] wait_for = word[WORD - 7 -: 6];
+wire [1:0] from_table = word[WORD - 13 -: 2];
+wire [FIELD - 1:0] to = word[3 * FIELD +: FIELD];
+wire [FIELD - 1:0] a = word[2 * FIELD +: FIELD];
+wire [FIELD - 1:0] b = word[FIELD +: FIELD];
+wire [FIELD - 1:0] c = word[0 +: FIELD];
+
+wire held = word_valid && ((op == WAIT_START && !start) || (op == WAIT_TAKEN && valid));
+wire is_last = word_valid && !held && waited == wait_for;
+wire fetch = taken || is_last || !word_valid;
+wire [ADDRESS - 1:0] fetched = taken ? target : next_address;
+wire issue = word_valid && !held && waited == 0 && !taken;
+
+assign idle = word_valid && op == WAIT_START && !taken;
+
+always @(posedge clk) begin
+    if (fetch)
+        word <= microcode[fetched];
+end
+
+always @(posedge clk) begin
+    if (reset) begin
+        next_address <= 0;
+        word_valid <= 0;
+        waited <= 0;
+    end else if (fetch) begin
+        next_address <= fetched + 1'b1;
+        word_valid <= 1;
+        waited <= 0;
+    end else if (!held) begin
+        waited <= waited + 1'b1;
+    end
+end
+
+// Registers and tables.
+reg [63:0] file_a [0:(1 << SLOT) - 1];
+reg [63:0] file_b [0:(1 << SLOT) - 1];
+reg [63:0] file_c [0:(1 << SLOT) - 1];
+reg [TABLE - 1:0] pointers [0:{{ pointers - 1 }}];
+reg [63:0] rows [0:(1 << TABLE) - 1];
+initial $readmemh(PART, rows);
+
+wire write;
+wire [SLOT - 1:0] write_to;
+wire [63:0] written;
+wire [FIELD - 1:0] column = from_table == 1 ? a : from_table == 2 ? b : c;
+wire [TABLE - 1:0] row = pointers[column[COLUMN +: {{ pointer_bits }}]] | {% raw %}{{{% endraw %}(TABLE - COLUMN){1'b0}}, column[COLUMN - 1:0]};
+reg [63:0] read_a, read_b, read_c, read_row;
+
+always @(posedge clk) begin
+    if (write)
+        file_a[write_to] <= written;
+    read_a <= file_a[a[SLOT - 1:0]];
+end
+
+always @(posedge clk) begin
+    if (write)
+        file_b[write_to] <= written;
+    read_b <= file_b[b[SLOT - 1:0]];
+end
+
+always @(posedge clk) begin
+    if (write)
+        file_c[write_to] <= written;
+    read_c <= file_c[c[SLOT - 1:0]];
+end
+
+always @(posedge clk) begin
+    if (write && write_to < {{ pointers }})
+        pointers[write_to[{{ pointer_bits - 1 }}:0]] <= written[TABLE - 1:0];
+end
+
+always @(posedge clk) begin
+    if (table_write)
+        rows[table_address] <= table_data;
+    read_row <= rows[row];
+end
+
+// Read.
+reg reads;
+reg [5:0] read_op;
+reg [1:0] read_table;
+reg [FIELD - 1:0] read_to;
+reg [2 * FIELD - 1:0] read_literal;
+reg [FIELD - 1:0] read_last;
+reg [ADDRESS - 1:0] read_link;
+
+always @(posedge clk) begin
+    reads <= issue && !reset;
+    read_op <= op;
+    read_table <= from_table;
+    read_to <= to;
+    read_literal <= {a, b};
+    read_last <= c;
+    read_link <= next_address;
+end
+
+// Sums, comparisons and branches.
+reg sums_valid;
+reg [5:0] x_op;
+reg [FIELD - 1:0] x_to;
+reg [FIELD - 1:0] x_last;
+reg [ADDRESS - 1:0] x_link;
+reg [63:0] x_a, x_b, x_c;
+reg [{{ bits - 2 }}:0] begun;
+
+always @(posedge clk) begin
+    sums_valid <= reads && !taken && !reset;
+    x_op <= read_op;
+    x_to <= read_to;
+    x_last <= read_last;
+    x_link <= read_link;
+    x_a <= read_op == LOAD ? {% raw %}{{{% endraw %}(64 - 2 * FIELD){1'b0}}, read_literal} : read_op == INPUT ? {% raw %}{{{% endraw %}(65 - W){1'b0}}, begun} : read_table == 1 ? read_row : read_a;
+    x_b <= read_table == 2 ? read_row : read_b;
+    x_c <= read_table == 3 ? read_row : read_c;
+    if (issue && op == WAIT_START)
+        begun <= section;
+end
+
+wire x_valid = sums_valid && !taken;
+wire [63:0] sum = x_a + x_b;
+wire [64:0] difference = {1'b0, x_a} - {1'b0, x_b};
+wire is_equal = x_a == x_b;
+wire less_unsigned = difference[64];
+wire less = x_a[63] == x_b[63] ? difference[64] : x_a[63];
+reg holds;
+
+always @* begin
+    case (x_to[5:3])
+        0: holds = is_equal;
+        1: holds = less;
+        2: holds = less || is_equal;
+        3: holds = less_unsigned;
+        4: holds = less_unsigned || is_equal;
+        default: holds = (less || is_equal) && !sum[63]; // -b <= a <= b
+    endcase
+end
+
+reg [ADDRESS - 1:0] links [0:15];
+reg [3:0] depth;
+wire branches = (x_op == BRANCH && holds == x_to[6]) || x_op == JUMP || x_op == CALL || x_op == RETURN;
+wire [FIELD + 2:0] led = {x_to[2:0], x_last};
+
+always @(posedge clk) begin
+    if (reset) begin
+        taken <= 0;
+        depth <= 0;
+    end else begin
+        taken <= x_valid && branches;
+        if (x_valid && x_op == CALL)
+            depth <= depth + 1'b1;
+        if (x_valid && x_op == RETURN)
+            depth <= depth - 1'b1;
+    end
+    target <= x_op == RETURN ? links[depth - 4'd1] : led[ADDRESS - 1:0];
+    if (x_valid && x_op == CALL)
+        links[depth] <= x_link;
+end
+
+reg [63:0] of_sum;
+reg writes_sum;
+
+always @* begin
+    writes_sum = x_valid;
+    case (x_op)
+        ADD: of_sum = sum;
+        ADD_NUMBERS: of_sum = cut(sum);
+        SUB: of_sum = difference[63:0];
+        SUB_NUMBERS: of_sum = cut(difference[63:0]);
+        MIN: of_sum = less ? x_a : x_b;
+        MAX: of_sum = less ? x_b : x_a;
+        AND: of_sum = x_a & x_b;
+        OR: of_sum = x_a | x_b;
+        MOVE, LOAD, INPUT: of_sum = x_a;
+        default: begin
+            of_sum = x_a;
+            writes_sum = 0;
+        end
+    endcase
+end
+
+// The setpoint.
+always @(posedge clk) begin
+    done <= x_valid && x_op == OUTPUT && x_to[3:0] == {{ output_done }} && !reset;
+    if (reset)
+        valid <= 0;
+    else if (x_valid && x_op == OUTPUT && x_to[3:0] == {{ output_whole }})
+        valid <= 1;
+    else if (ready)
+        valid <= 0;
+{%- for output in outputs %}
+    if (x_valid && x_op == OUTPUT && x_to[3:0] == {{ loop.index0 }})
+        {{ output.name }} <= x_a[{{ output.bits - 1 }}:0];
+{%- endfor %}
+end
+
+// Shifts: a rotation to the right, then what is left of it, rounded.
+wire is_scale = x_op == SCALE;
+wire to_left = x_op == SHIFT_LEFT || x_op == TO_PHASE || (is_scale && !x_b[8]);
+wire [8:0] magnitude = x_b[8] ? -x_b[8:0] : x_b[8:0];
+wire is_far = |magnitude[8:6];
+wire [5:0] places = is_far ? 6'd63 : magnitude[5:0];
+wire [5:0] rotation = to_left ? -places : places;
+wire [63:0] turned_in = is_scale && !to_left ? {x_a[62:0], 1'b0} : x_a;
+wire [63:0] turned_1 = rotation[1] ? (rotation[0] ? {turned_in[2:0], turned_in[63:3]} : {turned_in[1:0], turned_in[63:2]})
+    : (rotation[0] ? {turned_in[0], turned_in[63:1]} : turned_in);
+wire [63:0] turned_2 = rotation[3] ? (rotation[2] ? {turned_1[11:0], turned_1[63:12]} : {turned_1[7:0], turned_1[63:8]})
+    : (rotation[2] ? {turned_1[3:0], turned_1[63:4]} : turned_1);
+wire [63:0] turned_3 = rotation[5] ? (rotation[4] ? {turned_2[47:0], turned_2[63:48]} : {turned_2[31:0], turned_2[63:32]})
+    : (rotation[4] ? {turned_2[15:0], turned_2[63:16]} : turned_2);
+wire [63:0] below = 64'hffffffffffffffff >> rotation;
+reg shifts;
+reg [FIELD - 1:0] shift_to;
+reg rounds, cuts, saturates, gives_none, fills;
+reg [63:0] turned, mask;
+
+always @(posedge clk) begin
+    shifts <= x_valid && x_op[5:3] == 3 && !reset;
+    shift_to <= x_to;
+    rounds <= is_scale && !to_left;
+    cuts <= is_scale;
+    saturates <= x_op == TO_PHASE;
+    gives_none <= (x_op == TO_PHASE && x_a[63]) || (is_far && !(is_scale && !to_left));
+    fills <= is_scale && !to_left && x_a[63];
+    turned <= turned_3;
+    mask <= to_left && rotation != 0 ? ~below : to_left ? 64'hffffffffffffffff : below;
+end
+
+wire [63:0] shifted = (turned & mask) | (fills ? ~mask : 64'd0);
+wire [W:0] rounded = shifted[W:0] + {{ "{{" }}W{1'b0}}, rounds};
+wire [W - 1:0] scaled = rounds ? rounded[W:1] : shifted[W - 1:0];
+wire [63:0] of_shift = gives_none ? 64'd0 : saturates && |(turned & ~mask) ? 64'hffffffffffffffff
+    : cuts ? { {(64 - W){scaled[W - 1]}}, scaled} : shifted;
+
+// Products.
+{% if bits > 18 -%}
+// Factors of 33 bits in parts of 17 and 16: four products, whose sum takes two stages.
+wire is_limb = x_op[5:4] == 3;
+wire [32:0] factor_a = is_limb ? {1'b0, x_op[2] ? x_a[63:32] : x_a[31:0]} : x_a[32:0];
+wire [32:0] factor_b = is_limb ? {1'b0, x_op[0] ? x_b[63:32] : x_b[31:0]} : x_b[32:0];
+wire signed [17:0] low_a = {1'b0, factor_a[16:0]};
+wire signed [17:0] low_b = {1'b0, factor_b[16:0]};
+wire signed [17:0] high_a = { {2{factor_a[32]}}, factor_a[32:17]};
+wire signed [17:0] high_b = { {2{factor_b[32]}}, factor_b[32:17]};
+reg signed [35:0] high_high, high_low, low_high, low_low;
+{%- else -%}
+wire is_limb = x_op[5:4] == 3;
+wire signed [17:0] factor_a = is_limb ? {2'b0, x_a[16 * x_op[3:2] +: 16]} : x_a[17:0];
+wire signed [17:0] factor_b = is_limb ? {2'b0, x_b[16 * x_op[1:0] +: 16]} : x_b[17:0];
+reg signed [35:0] whole_product;
+{%- endif %}
+reg multiplies, adds;
+reg [5:0] product_op, sum_op;
+reg [FIELD - 1:0] product_to, sum_to;
+reg [63:0] product_c, sum_c, sum_part;
+{%- if bits > 18 %}
+reg signed [36:0] sum_middle;
+{%- endif %}
+wire is_product = x_op[5] && x_op != DIVIDE && x_op != ROOT;
+
+always @(posedge clk) begin
+    multiplies <= x_valid && is_product && !reset;
+    product_op <= x_op;
+    product_to <= x_to;
+    product_c <= x_c;
+    adds <= multiplies && !reset;
+    sum_op <= product_op;
+    sum_to <= product_to;
+    sum_c <= product_op == PRODUCT ? product_c : 64'd0;
+{%- if bits > 18 %}
+    high_high <= high_a * high_b;
+    high_low <= high_a * low_b;
+    low_high <= low_a * high_b;
+    low_low <= low_a * low_b;
+    sum_part <= {high_high[29:0], low_low[33:0]} + (product_op == PRODUCT ? 64'd0 : product_c);
+    sum_middle <= high_low + low_high;
+end
+
+wire [63:0] exact = sum_part + { {10{sum_middle[36]}}, sum_middle, 17'd0};
+{%- else %}
+    whole_product <= factor_a * factor_b;
+    sum_part <= { {28{whole_product[35]}}, whole_product} + (product_op == PRODUCT ? 64'd0 : product_c);
+end
+
+wire [63:0] exact = sum_part;
+{%- endif %}
+wire [W - 1:0] nearest = exact[F +: W] + sum_c[W - 1:0] + {% raw %}{{{% endraw %}(W - 1){1'b0}}, exact[F - 1]};
+wire [63:0] of_product = sum_op == PRODUCT || sum_op == ROUNDED_SUM ? { {(64 - W){nearest[W - 1]}}, nearest} : exact;
+
+// Quotients and roots, a bit a cycle.
+reg [5:0] left;
+reg works, is_first, is_root, is_negative, is_beyond, rounds_up, gives;
+reg [FIELD - 1:0] long_to;
+reg [63:0] digits;
+reg [33:0] rest;
+reg [31:0] found;
+reg [31:0] divisor;
+reg [63:0] of_long;
+wire [W - 1:0] size_a = x_a[63] ? -x_a[W - 1:0] : x_a[W - 1:0];
+wire [W - 1:0] size_b = x_b[63] ? -x_b[W - 1:0] : x_b[W - 1:0];
+wire [35:0] shifted_rest = is_root ? {rest, digits[63:62]} : {1'b0, rest, digits[63]};
+wire [33:0] trial = is_root ? {found, 2'b01} : {2'b00, divisor};
+wire fits = shifted_rest >= {2'b00, trial};
+wire [35:0] rest_after = shifted_rest - {2'b00, trial};
+reg [2:0] after;
+
+always @(posedge clk) begin
+    gives <= 0;
+    if (reset) begin
+        works <= 0;
+        after <= 0;
+    end else if (x_valid && (x_op == DIVIDE || x_op == ROOT)) begin
+        works <= 1;
+        is_root <= x_op == ROOT;
+        long_to <= x_to;
+        is_negative <= x_op == DIVIDE && x_a[63] != x_b[63];
+        divisor <= size_b;
+        is_first <= 1;
+        found <= 0;
+        left <= x_op == ROOT ? 6'd31 : W - 1;
+        if (x_op == ROOT) begin
+            digits <= x_a;
+            rest <= 0;
+            is_beyond <= 0;
+        end else begin
+            digits <= {size_a[W - F - 1:0], {(64 - W + F){1'b0}}};
+            rest <= size_a[W - 1:W - F];
+            is_beyond <= 0;
+        end
+        rounds_up <= x_a != 0;
+    end else if (works) begin
+        found <= {found[30:0], fits};
+        rest <= fits ? rest_after[33:0] : shifted_rest[33:0];
+        digits <= is_root ? digits << 2 : digits << 1;
+        left <= left - 1'b1;
+        is_first <= 0;
+        // A quotient of more than W bits.
+        if (is_first && !is_root)
+            is_beyond <= rest >= {2'b00, divisor};
+        if (left == 0) begin
+            works <= 0;
+            after <= 1;
+        end
+    end else if (after == 1) begin
+        // A quotient from half a divisor on, a root of k from a rest above k on.
+        if (is_root ? rest > {2'b00, found} : {rest[32:0], 1'b0} >= {2'b00, divisor})
+            of_long <= {32'd0, found} + 1;
+        else
+            of_long <= {32'd0, found};
+        after <= 2;
+    end else if (after == 2) begin
+        if (is_beyond)
+            of_long <= !rounds_up ? 64'd0 : is_negative ? -(64'd1 << (W - 1)) : (64'd1 << (W - 1)) - 1;
+        else if (is_negative)
+            of_long <= of_long > (64'd1 << (W - 1)) ? -(64'd1 << (W - 1)) : -of_long;
+        else if (of_long > (64'd1 << (W - 1)) - 1)
+            of_long <= (64'd1 << (W - 1)) - 1;
+        gives <= 1;
+        after <= 0;
+    end
+end
+
+// One result a cycle.
+assign write = writes_sum || shifts || adds || gives;
+assign write_to = gives ? long_to[SLOT - 1:0] : adds ? sum_to[SLOT - 1:0] : shifts ? shift_to[SLOT - 1:0] : x_to[SLOT - 1:0];
+assign written = gives ? of_long : adds ? of_product : shifts ? of_shift : of_sum;
+
+endmodule
+
+`default_nettype wire

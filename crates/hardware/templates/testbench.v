@@ -1,0 +1,114 @@
+// Plays the rows of `feedbits interpolate --vectors` against the core, and names the first period that differs.
+//
+// With Icarus Verilog: iverilog -g2005 -o simulation core.v testbench.v && vvp simulation +vectors=vectors/periods.hex
+// With Verilator 5:    verilator --binary --top-module testbench core.v testbench.v && obj_dir/Vtestbench +vectors=vectors/periods.hex
+`timescale 1ns / 1ps
+`default_nettype none
+
+module testbench;
+
+localparam PERIODS = {{ periods }};
+localparam SECTIONS = {{ sections }};
+localparam DIGITS = {{ number_digits }};
+localparam AXES = {{ axes }};
+localparam ROW = 32 + 32 + 32 + 8 + 64 + 4 * DIGITS * (AXES + 1) + 64 * AXES;
+// The columns behind the phase: the length, the offsets, the positions.
+localparam LENGTH = 4 * DIGITS * AXES + 64 * AXES;
+localparam PHASE = LENGTH + 4 * DIGITS;
+
+reg clk = 0;
+reg reset = 1;
+reg start = 0;
+reg [{{ bits - 2 }}:0] section = 0;
+wire idle, done, valid;
+reg ready = 0;
+{%- for output in outputs %}
+wire [{{ output.bits - 1 }}:0] {{ output.name }};
+{%- endfor %}
+
+feedbits_core core(
+    .clk(clk), .reset(reset), .table_write(1'b0), .table_address({% raw %}{{% endraw %}{{ table_bits }}{1'b0}}), .table_data(64'd0),
+    .start(start), .section(section), .idle(idle), .done(done), .valid(valid), .ready(ready)
+{%- for output in outputs %},
+    .{{ output.name }}({{ output.name }})
+{%- endfor %}
+);
+
+always #5 clk = !clk;
+
+reg [ROW - 1:0] rows [0:PERIODS - 1];
+reg [ROW - 1:0] row;
+reg [8 * 1024 - 1:0] path;
+integer period = 0;
+integer asked = 0;
+integer cycle = 0;
+integer worst = 0;
+integer all = 0;
+reg is_last;
+
+task differs(input [8 * 16 - 1:0] name, input [63:0] found, input [63:0] expected);
+    begin
+        $display("period %0d: %0s is %h, expected %h", period, name, found, expected);
+        $display("DIFFERS");
+        $finish;
+    end
+endtask
+
+initial begin
+    if (!$value$plusargs("vectors=%s", path)) begin
+        $display("give +vectors=FOLDER/periods.hex of feedbits interpolate --vectors FOLDER");
+        $finish;
+    end
+    $readmemh(path, rows);
+end
+
+always @(posedge clk) begin
+    cycle <= cycle + 1;
+    reset <= cycle < 4;
+    start <= 0;
+    ready <= 0;
+    if (cycle > 8 && idle && !start) begin
+        if (section == SECTIONS || period == PERIODS) begin
+            if (period == PERIODS)
+                $display("EQUAL: %0d periods; cycles a period: mean %0d, worst %0d", period, all / PERIODS, worst);
+            else
+                $display("DIFFERS: the run ends after %0d periods, expected %0d", period, PERIODS);
+            $finish;
+        end
+        start <= 1;
+        asked <= cycle;
+    end
+    if (start)
+        section <= section + 1'b1;
+    if (valid && !ready) begin
+        ready <= 1;
+        asked <= cycle + 1;
+        if (cycle - asked > worst)
+            worst <= cycle - asked;
+        all <= all + (cycle - asked);
+        row = rows[period];
+        if (period >= PERIODS)
+            differs("period", period, PERIODS);
+        // At the end of a section the rows name the piece behind it, the core the last one.
+        is_last = period + 1 == PERIODS || rows[period + 1][ROW - 33 -: 32] != row[ROW - 33 -: 32];
+        if (row[ROW - 33 -: 32] != section - 1'b1)
+            differs("section", section - 1'b1, row[ROW - 33 -: 32]);
+        if (piece != row[ROW - 65 -: 32] && !(is_last && piece + 1 == row[ROW - 65 -: 32]))
+            differs("piece", piece, row[ROW - 65 -: 32]);
+        if (evaluations != row[ROW - 97 -: 8])
+            differs("evaluations", evaluations, row[ROW - 97 -: 8]);
+        if (phase != row[PHASE +: 64])
+            differs("phase", phase, row[PHASE +: 64]);
+        if (length != row[LENGTH +: {{ bits }}])
+            differs("length", length, row[LENGTH +: {{ bits }}]);
+{%- for axis in axis_names %}
+        if (offset_{{ axis }} != row[64 * AXES + 4 * DIGITS * (AXES - 1 - {{ loop.index0 }}) +: {{ bits }}])
+            differs("offset_{{ axis }}", offset_{{ axis }}, row[64 * AXES + 4 * DIGITS * (AXES - 1 - {{ loop.index0 }}) +: {{ bits }}]);
+{%- endfor %}
+        period <= period + 1;
+    end
+end
+
+endmodule
+
+`default_nettype wire
