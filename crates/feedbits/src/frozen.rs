@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use expect_test::{ExpectFile, expect_file};
 use format_compare::{
-    Comparison, Cost, Engine, FewestBits, Fluctuation, FrontPoint, JudgedRun, CostSource, Mixed, NotOfFormat,
+    Comparison, Cost, CostSource, Engine, FewestBits, Fluctuation, FrontPoint, JudgedRun, Mixed, NotOfFormat,
     PartSummary, PeriodCost, PeriodEnd, Register, Remedy, Requirement, Sizing, Verdict,
 };
 use part_program::read_machine;

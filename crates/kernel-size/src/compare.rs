@@ -11,7 +11,7 @@ use crate::parallel::in_parallel;
 use crate::reference::{Reference, ReferenceFound};
 use crate::refusal::Refusal;
 use crate::run::{FormatRun, judged};
-use crate::table::{self, short};
+use crate::table::{self, exact, short};
 
 /// A kernel's runs in several formats.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -26,7 +26,7 @@ pub struct Comparison {
     pub formats: Vec<FormatRun>,
     /// The narrowest good format, fixed point before float; of equal width the one that takes the least share of its limits.
     pub recommended: Option<String>,
-    /// Whether the reference breaks a requirement too, or the kernel does not run in it: then no format cures the fault.
+    /// Whether neither a format is good nor the reference, which breaks a requirement too or does not finish.
     pub not_a_question_of_format: bool,
 }
 
@@ -53,7 +53,7 @@ pub fn compare<K: Kernel>(kernel: &K, formats: &[FormatName]) -> Result<Comparis
         kernel: kernel.name(),
         steps: case.steps,
         recommended: least.map(|run| run.format.clone()),
-        not_a_question_of_format: !reference.found.good,
+        not_a_question_of_format: !reference.found.good && !runs.iter().any(|run| run.good),
         reference: reference.found,
         formats: runs,
     })
@@ -77,7 +77,8 @@ impl Comparison {
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let row = |run: &FormatRun| {
-            let worst = run.outputs.iter().max_by(|one, other| one.worst_error.total_cmp(&other.worst_error));
+            let outputs = if run.ended.step() == Some(0) { &[] } else { &run.outputs[..] };
+            let worst = outputs.iter().max_by(|one, other| one.worst_error.total_cmp(&other.worst_error));
             vec![
                 run.format.clone(),
                 run.bits.to_string(),
@@ -109,19 +110,27 @@ fn details(f: &mut fmt::Formatter<'_>, run: &FormatRun) -> fmt::Result {
     }
     if let Some(lost) = &run.overflows {
         let before = lost.first_signal.map_or_else(String::new, |signal| format!(", before or at {signal}"));
-        let zero = lost.divisions_by_zero;
-        let zero = if zero > 0 { format!(" and {zero} divisions by zero") } else { String::new() };
-        writeln!(f, "{format}: {} overflows{zero}, first in step {}{before}", lost.count, lost.first_step)?;
+        let counted = |count: u64, one: &str, others: &str| match count {
+            0 => None,
+            1 => Some(format!("1 {one}")),
+            _ => Some(format!("{count} {others}")),
+        };
+        let kinds = [
+            counted(lost.count, "overflow", "overflows"),
+            counted(lost.divisions_by_zero, "division by zero", "divisions by zero"),
+        ];
+        let kinds = kinds.into_iter().flatten().collect::<Vec<_>>().join(" and ");
+        writeln!(f, "{format}: {kinds}, first in step {}{before}", lost.first_step)?;
     }
     let Some(other) = &run.divergence else { return Ok(()) };
-    let [left, right] = other.compared.map(short);
+    let [left, right] = other.compared.map(exact);
     let signal = other.signal.map_or_else(String::new, |signal| format!(" at {signal}"));
     write!(
         f,
         "{format}: goes another way than the reference in step {}{signal}: {left} and {right}",
         other.step
     )?;
-    match other.in_reference.map(|pair| pair.map(short)) {
+    match other.in_reference.map(|pair| pair.map(exact)) {
         Some([left, right]) => writeln!(f, ", in the reference {left} and {right}"),
         None => writeln!(f),
     }

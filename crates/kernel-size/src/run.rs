@@ -124,7 +124,9 @@ impl<K: Kernel> Work for Judged<'_, '_, K> {
         let Judging { judge, first_lost } = judging;
         let finished = ended == Ended::Finished;
         let outputs = if finished { judge.finished() } else { judge.so_far() };
-        let lost = audit.overflows + audit.divisions_by_zero > 0;
+        // Where a number does not fit, what follows from its replacement says nothing.
+        let fits = !matches!(ended, Ended::DoesNotFit { .. });
+        let lost = fits && audit.overflows + audit.divisions_by_zero > 0;
         let overflows = lost.then(|| Overflows {
             count: audit.overflows,
             divisions_by_zero: audit.divisions_by_zero,
@@ -146,7 +148,7 @@ impl<K: Kernel> Work for Judged<'_, '_, K> {
             ended,
             outputs,
             overflows,
-            divergence: watch.found.map(|decision| {
+            divergence: watch.found.filter(|_| fits).map(|decision| {
                 let step = reference.step_of(decision.number);
                 let other = Reference::decision(case, decision.number, step);
                 Divergence {

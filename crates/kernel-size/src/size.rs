@@ -49,7 +49,7 @@ pub struct Sizing {
     pub uniform: Option<FormatRun>,
     /// A register for each named signal; `None` if no uniform format is good, or 53 bits are too few between registers.
     pub registers: Option<Registers>,
-    /// Whether the reference breaks a requirement too, or the kernel does not run in it: then no format cures the fault.
+    /// Whether neither a format is good nor the reference, which breaks a requirement too or does not finish.
     pub not_a_question_of_format: bool,
     /// Number of runs of the search, of which most were ended early.
     pub runs: usize,
@@ -76,9 +76,9 @@ pub fn size_in<K: Kernel>(kernel: &K, datapath: Datapath) -> Result<Sizing, Refu
     Ok(Sizing {
         kernel: kernel.name(),
         steps: case.steps,
+        not_a_question_of_format: !reference.found.good && uniform.is_none(),
         uniform,
         registers,
-        not_a_question_of_format: !reference.found.good,
         runs: runs.get(),
     })
 }

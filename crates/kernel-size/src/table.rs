@@ -12,6 +12,11 @@ pub(crate) fn short(x: f64) -> String {
     }
 }
 
+/// A number in all its digits.
+pub(crate) fn exact(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e15).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
+}
+
 /// A table with a line of headings, its columns as wide as they need be.
 pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let cells =

@@ -59,7 +59,7 @@ fn an_overflow_is_found_by_step_and_signal() {
     assert_eq!((lost.count, lost.first_step, lost.first_signal), (1, 255, Some("sum")));
     assert_eq!(compared.recommended.as_deref(), Some("I16F16"));
     let text = compared.to_string();
-    assert!(text.contains("I8F24: 1 overflows, first in step 255, before or at sum"), "{text}");
+    assert!(text.contains("I8F24: 1 overflow, first in step 255, before or at sum"), "{text}");
 }
 
 /// Ten tenths of an f32 are more than 1, and those of the reference are less.
