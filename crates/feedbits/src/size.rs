@@ -8,7 +8,7 @@ use format_compare::{Dimension, Engine, FrontPoint, Machine, Mixed, Problem, Reg
 use real::{Datapath, Overflow, Rounding};
 use serde::Serialize;
 use target_cost::Target;
-use types::{Language, Types};
+use types::Language;
 
 use crate::baseline::{self, Baseline, BaselineArguments};
 use crate::ending::Ending;
@@ -154,7 +154,7 @@ where
     let (part, fluctuation_limit) = (problem.name.as_str(), problem.machine.fluctuation_limit);
     let types =
         sizing.mixed.as_ref().zip(arguments.types).map(|(mixed, language)| {
-            Types { mixed, datapath, part, fluctuation_limit }.in_language(language)
+            types::in_language(mixed, datapath, (part, fluctuation_limit), language)
         });
     let (part, machine) = (PartName { name: problem.name.clone() }, problem.machine.clone());
     Ok((Found { part, machine, sizing }, types))
