@@ -45,6 +45,7 @@
 //! | what is a kernel? | [`Kernel`], [`Steps`], [`Input`], [`Output`] |
 //! | how good is each format, where is it worst, where does it first go another way? | [`compare`] |
 //! | how few bits are enough, for all signals alike and for each of its own? | [`size`] |
+//! | which types have the registers in VHDL, C++, MATLAB, Rust or C? | [`Sizing::types`] |
 //! | what does a step cost on a processor or an FPGA? | [`price`] |
 //! | which bits must another implementation make? | [`vectors`] |
 
@@ -66,6 +67,7 @@ mod run;
 mod size;
 mod steps;
 mod table;
+mod types;
 mod vectors;
 
 pub use compare::{Comparison, compare};
@@ -78,6 +80,8 @@ pub use output::{Output, Requirement};
 pub use price::{StepPrice, price};
 pub use reference::ReferenceFound;
 pub use refusal::Refusal;
+/// The languages of [`Sizing::types`].
+pub use register_types::Language;
 pub use registers::{Register, Registers};
 pub use run::{Divergence, FormatRun, Overflows, SignalFound};
 pub use size::{Sizing, size, size_in};

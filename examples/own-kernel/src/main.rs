@@ -5,7 +5,8 @@ mod biquad;
 use std::error::Error;
 
 use biquad::Biquad;
-use kernel_size::{built_in, compare, named, price, size, vectors};
+use kernel_size::{Language, built_in, compare, named, price, size, vectors};
+use real::Datapath;
 use target_cost::Cost;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -15,6 +16,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let Some(format) = sizing.uniform.as_ref().and_then(|run| named(&run.format)) else {
         return Err("no format of 48 bits is good enough".into());
     };
+    if let Some(types) = sizing.types(Language::C, Datapath::default()) {
+        println!("{types}");
+    }
     let targets = target_cost::built_in()?;
     let priced = price(&Biquad, format, &targets, Some(1e-4))?;
     println!("A step in {format}, of a period of 100 µs:");

@@ -1,6 +1,6 @@
 //! Errors, steps, costs and bits that are known beforehand.
 
-use kernel_size::{Input, InputError, Kernel, Output, Steps, built_in, compare, named, price, size, vectors};
+use kernel_size::{Input, InputError, Kernel, Language, Output, Steps, built_in, compare, named, price, size, vectors};
 use real::{Backend, I8F24, I16F16, Real};
 use target_cost::{Cost, built_in as targets};
 
@@ -114,6 +114,26 @@ fn a_step_costs_what_its_operations_do() {
             other => panic!("{}: {other:?}", target.name),
         }
     }
+}
+
+/// Names that a language does not take become some that it does, and stay apart.
+#[test]
+fn registers_become_types() {
+    struct Names;
+    impl What for Names {
+        fn run<R: Real>(&self, steps: &mut Steps<'_, R>) {
+            while let Some([x]) = steps.begin() {
+                let half = x.half().signal("x/2");
+                steps.end([(half + half.half().signal("x 2")).signal("¾")]);
+            }
+        }
+    }
+    let kernel = one(Names, 50, (-1.0, 1.0), Output::named("y").within(1e-3));
+    let found = size(&kernel).unwrap();
+    let types = found.types(Language::C, real::Datapath::default()).unwrap();
+    let names: Vec<&str> = types.lines().filter_map(|line| line.strip_prefix("typedef ")).collect();
+    assert_eq!(names, ["int16_t one_x;", "int16_t one_x_2;", "int16_t one_x_2_2;", "int16_t one_s;"]);
+    assert!(types.contains("Kernel one: 4 registers of"), "{types}");
 }
 
 /// The words are those of the fixed-point type itself.
