@@ -53,6 +53,10 @@ pub(crate) const MACHINE: &str = "Examples:
   feedbits machine router --out my-machine.toml";
 pub(crate) const FORMATS: &str = "Examples:
   feedbits formats --json";
+pub(crate) const ZOO: &str = "Examples:
+  feedbits zoo
+  feedbits zoo full-circle
+  feedbits zoo --formats f32,I8F24-floor --json";
 pub(crate) const COMPLETIONS: &str = "Examples:
   feedbits completions bash --out feedbits.bash
   feedbits completions zsh";

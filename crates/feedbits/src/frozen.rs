@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use expect_test::{ExpectFile, expect_file};
 use format_compare::{
-    Comparison, Cost, Engine, FewestBits, Fluctuation, FrontPoint, JudgedRun, Level, Mixed, NotOfFormat,
+    Comparison, Cost, CostSource, Engine, FewestBits, Fluctuation, FrontPoint, JudgedRun, Mixed, NotOfFormat,
     PartSummary, PeriodCost, PeriodEnd, Register, Remedy, Requirement, Sizing, Verdict,
 };
 use part_program::read_machine;
@@ -87,7 +87,7 @@ fn cost(max: f64, mhz: f64, blocks: Option<u32>) -> Cost {
         mean_range: [max / 2.0 - 5.0, max / 2.0 + 5.0],
         max_range: [0.75 * max, 1.25 * max],
         measure: Measure::Cycles,
-        level: Level::Scheduled,
+        level: CostSource::Scheduled,
         microseconds_max: Some(max / mhz),
         microseconds_range: Some([0.75 * max / mhz, 1.25 * max / mhz]),
         share_of_period: Some(max / mhz / 1000.0),

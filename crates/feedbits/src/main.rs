@@ -40,6 +40,7 @@ mod sweep;
 mod sweep_file;
 mod targets;
 mod unfinished;
+mod zoo;
 
 use std::process::ExitCode;
 
@@ -115,6 +116,9 @@ enum Command {
     /// List the number formats.
     #[command(after_help = examples::FORMATS)]
     Formats(formats::Arguments),
+    /// Run kernels of controllers whose numbers failed in public, and say which format cures each, or that none does.
+    #[command(after_help = examples::ZOO)]
+    Zoo(zoo::Arguments),
     /// Print a script by which a shell completes this command's words.
     #[command(after_help = examples::COMPLETIONS)]
     Completions(completions::Arguments),
@@ -154,6 +158,7 @@ fn main() -> ExitCode {
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Machine(arguments) => machine::run(&arguments),
         Command::Formats(arguments) => formats::run(&arguments),
+        Command::Zoo(arguments) => zoo::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
     };
     if ending.is_ok() {

@@ -12,7 +12,7 @@ use format_compare::{
 use real::{Datapath, Overflow, Rounding};
 use serde::Serialize;
 use target_cost::Target;
-use types::{Language, Types};
+use types::Language;
 
 use crate::baseline::{self, Baseline, BaselineArguments};
 use crate::bounds::expect_few_vectors;
@@ -177,7 +177,7 @@ where
     let (part, fluctuation_limit) = (problem.name.as_str(), problem.machine.fluctuation_limit);
     let types =
         sizing.mixed.as_ref().zip(arguments.types).map(|(mixed, language)| {
-            Types { mixed, datapath, part, fluctuation_limit }.in_language(language)
+            types::in_language(mixed, datapath, (part, fluctuation_limit), language)
         });
     let (part, machine) = (PartName { name: problem.name.clone() }, problem.machine.clone());
     Ok((Found { part, machine, sizing }, types, vectors))

@@ -73,15 +73,11 @@ mod run {
     pub(crate) mod on_pieces;
     pub(crate) mod options;
     pub(crate) mod overrides;
-    pub(crate) mod recorded_run;
+    mod recorded_run;
     pub(crate) mod run;
     mod steps_on_pieces;
     pub(crate) mod stream;
     pub(crate) mod vectors;
-}
-
-mod cost {
-    pub(crate) mod period_cost;
 }
 
 mod judge {
@@ -113,7 +109,6 @@ mod compare {
 
 pub use compare::compare::{Compared, Comparison, PartSummary, Watch, compare, compare_with};
 pub use compare::price::price;
-pub use cost::period_cost::{Cost, Level, PeriodCost};
 pub use feed_plan::ProfileKind;
 pub use judge::judged_run::{JudgedRun, Verdict};
 pub use judge::metrics::{ChordTally, Fluctuation, JudgedStep, PerPeriod};
@@ -140,9 +135,9 @@ pub use run::job::Job;
 pub use run::observer::Observer;
 pub use run::options::{Engine, Options, PlanIn};
 pub use run::overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
-pub use run::recorded_run::RecordedRun;
 pub use run::run::{AboutRun, Run, RunStep};
 pub use run::stream::{StreamFailure, StreamRequest};
 pub use run::vectors::{RegisterWord, VectorColumn, VectorTable, Vectors, VectorsAbout};
 pub use size::fewest_bits::{FewestBits, fewest_bits};
 pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, register_vectors, size};
+pub use target_cost::{Cost, CostSource, PeriodCost, RecordedRun};

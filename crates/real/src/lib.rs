@@ -32,6 +32,7 @@
 //! | `Audited`, read by `Audit::of` | overflows, underflows, and the range and `Histogram` of every named signal |
 //! | `Shadowed`, read by `Audit::of` too | how far every named signal is from the same signal in a more precise format |
 //! | `Counted`, read by `OperationCounts::of` | how many operations of each kind are done |
+//! | `Watched`, read by `Watch::of` | which way a kernel went at every comparison, and how many integer bits its results need |
 //! | `Recorded`, read by `Graph::of` | which operation takes its operands from which |
 //!
 //! [`FromWord`] makes a number of the bits that hold it, as a file has them.
@@ -90,6 +91,8 @@ mod square_root;
 mod trigonometry;
 mod word;
 #[cfg(feature = "std")]
+mod watch;
+#[cfg(feature = "std")]
 mod wrapper;
 
 #[cfg(feature = "std")]
@@ -123,6 +126,8 @@ pub use runtime_format::{RuntimeFixed, RuntimeFormat, RuntimeFormats};
 #[cfg(feature = "std")]
 pub use shadow::Shadowed;
 pub use trigonometry::{Trigonometric, sine_terms};
+#[cfg(feature = "std")]
+pub use watch::{Decision, Watch, Watched, Watching};
 pub use word::{Word, product_of_words};
 
 /// 4 integer and 4 fraction bits: small enough to test every operation on every pair.

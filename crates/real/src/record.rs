@@ -82,6 +82,17 @@ impl Graph {
         (result, recording.map(|recording| recording.graph).unwrap_or_default())
     }
 
+    /// What was recorded since the innermost running [`Graph::of`] began, or since the last call of this function in it: so a
+    /// run is taken step by step, and a long one needs no more memory than a step. Numbers of before are constants for what
+    /// follows, or inputs. Empty outside of a recording.
+    #[must_use]
+    pub fn so_far() -> Graph {
+        RECORDING.with_borrow_mut(|recording| {
+            let next = Recording { number: next_number(), ..Recording::default() };
+            recording.as_mut().map(|now| std::mem::replace(now, next).graph).unwrap_or_default()
+        })
+    }
+
     /// All nodes; the operands of each come before it.
     #[must_use]
     pub fn nodes(&self) -> &[Node] {
@@ -392,6 +403,28 @@ mod tests {
         );
         assert_eq!(graph.signals(), [("product", NodeId(3))]);
         assert_eq!(graph.node(NodeId(3)).value, (27.0, 0.0));
+    }
+
+    /// Taken step by step, a run gives the graphs that each step alone gives.
+    #[test]
+    fn a_run_is_taken_step_by_step() {
+        let step = |x: Number, k: f64| (x * x.signal("x") + number(k)).signal("next");
+        let (taken, rest) = Graph::of(|| {
+            let mut x = number(0.5);
+            let mut taken = Vec::new();
+            for k in [0.25, 0.5, 0.25] {
+                x = step(x, k);
+                taken.push(Graph::so_far());
+            }
+            taken
+        });
+        let mut x = number(0.5);
+        for (k, taken) in [0.25, 0.5, 0.25].into_iter().zip(taken) {
+            let (next, alone) = Graph::of(|| step(x, k));
+            assert_eq!(taken, alone);
+            x = next;
+        }
+        assert!(rest.nodes().is_empty() && Graph::so_far().nodes().is_empty());
     }
 
     /// A state that is kept from one step to the next is data from outside for the next.

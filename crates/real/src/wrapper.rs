@@ -25,6 +25,19 @@ pub(crate) trait Wrapper: Copy + Debug + Default {
     /// The backend has compared two values.
     fn compared(_left: Self, _right: Self, _outcome: Option<Ordering>) {}
 
+    /// A kernel has learnt whether a comparison of two values holds: it may go one way or the other.
+    fn decided(_left: Self, _right: Self, _holds: bool) {}
+
+    /// `work` selects one of two values by a comparison, and goes no other way.
+    fn selecting(work: impl FnOnce() -> Self) -> Self {
+        work()
+    }
+
+    /// A number that depends on the format's width: the least or the greatest one, or a power of two that may not fit.
+    fn bound(value: Self::Inner) -> Self {
+        Self::constant(value)
+    }
+
     /// The backend has rounded a constant.
     fn ratio(_numerator: i32, _denominator: i32, result: Self::Inner) -> Self {
         Self::constant(result)
@@ -133,7 +146,9 @@ macro_rules! wrapper {
 
         impl<$($generics)*> PartialEq for $wrapper {
             fn eq(&self, other: &Self) -> bool {
-                self.partial_cmp(other) == Some(core::cmp::Ordering::Equal)
+                let holds = self.partial_cmp(other) == Some(core::cmp::Ordering::Equal);
+                Self::decided(*self, *other, holds);
+                holds
             }
         }
 
@@ -143,6 +158,34 @@ macro_rules! wrapper {
                 let outcome = self.inner().partial_cmp(&other.inner());
                 Self::compared(*self, *other, outcome);
                 outcome
+            }
+
+            #[inline]
+            fn lt(&self, other: &Self) -> bool {
+                let holds = self.partial_cmp(other).is_some_and(core::cmp::Ordering::is_lt);
+                Self::decided(*self, *other, holds);
+                holds
+            }
+
+            #[inline]
+            fn le(&self, other: &Self) -> bool {
+                let holds = self.partial_cmp(other).is_some_and(core::cmp::Ordering::is_le);
+                Self::decided(*self, *other, holds);
+                holds
+            }
+
+            #[inline]
+            fn gt(&self, other: &Self) -> bool {
+                let holds = self.partial_cmp(other).is_some_and(core::cmp::Ordering::is_gt);
+                Self::decided(*self, *other, holds);
+                holds
+            }
+
+            #[inline]
+            fn ge(&self, other: &Self) -> bool {
+                let holds = self.partial_cmp(other).is_some_and(core::cmp::Ordering::is_ge);
+                Self::decided(*self, *other, holds);
+                holds
             }
         }
 
@@ -164,10 +207,10 @@ macro_rules! wrapper {
 
         impl<$($generics)*> num_traits::Bounded for $wrapper {
             fn min_value() -> Self {
-                Self::constant(num_traits::Bounded::min_value())
+                Self::bound(num_traits::Bounded::min_value())
             }
             fn max_value() -> Self {
-                Self::constant(num_traits::Bounded::max_value())
+                Self::bound(num_traits::Bounded::max_value())
             }
         }
 
@@ -225,7 +268,7 @@ macro_rules! wrapper {
             }
 
             fn power_of_two(exponent: i32) -> Self {
-                Self::constant(<Self as Wrapper>::Inner::power_of_two(exponent))
+                Self::bound(<Self as Wrapper>::Inner::power_of_two(exponent))
             }
 
             #[inline]
@@ -244,7 +287,24 @@ macro_rules! wrapper {
             fn is_part(self) -> bool {
                 let one = <Self as num_traits::One>::one();
                 Self::compared(self, one, self.inner().partial_cmp(&one.inner()));
-                self.inner().is_part()
+                let holds = self.inner().is_part();
+                Self::decided(self, one, holds);
+                holds
+            }
+
+            #[inline]
+            fn max(self, other: Self) -> Self {
+                Self::selecting(|| if other > self { other } else { self })
+            }
+
+            #[inline]
+            fn min(self, other: Self) -> Self {
+                Self::selecting(|| if other < self { other } else { self })
+            }
+
+            #[inline]
+            fn abs(self) -> Self {
+                Self::selecting(|| if self < num_traits::Zero::zero() { -self } else { self })
             }
 
             fn is_finite(self) -> bool {

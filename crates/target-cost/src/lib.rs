@@ -26,6 +26,7 @@
 //! | how much does one cost, and who says so? | [`Target`], [`Row`] |
 //! | which instructions were counted? | [`Calibration`] |
 //! | how long does the step take, and which limit decides that? | [`StepCost`] |
+//! | what do the steps of a run cost, in the mean and at most? | [`RecordedRun`], [`cost()`] |
 //! | how many instructions does a period take at most? | [`period_bounds`] |
 
 mod built_in;
@@ -34,6 +35,8 @@ mod cycles;
 mod error;
 mod period_bound;
 mod place;
+mod recorded_run;
+mod run_cost;
 mod schedule;
 mod target;
 mod target_file;
@@ -44,6 +47,8 @@ pub use calibration::{Calibration, Prediction};
 pub use cycles::{Cycles, Level};
 pub use error::TargetError;
 pub use period_bound::{Limits, Most, PeriodBound, period_bounds};
+pub use recorded_run::RecordedRun;
+pub use run_cost::{Cost, CostSource, PeriodCost, cost, operations};
 pub use schedule::{NoPrice, Placed, StepCost};
 pub use target::{Clock, Confidence, Kind, Known, Measure, Mhz, Price, Row, Target, Unit, Unknown};
 pub use task::{Priced, Step, Task};

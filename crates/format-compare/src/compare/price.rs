@@ -3,10 +3,9 @@
 use std::cmp::Ordering;
 
 use real::FormatName;
-use target_cost::Target;
+use target_cost::{Cost, RecordedRun, Target, cost, operations};
 
 use crate::compare::compare::{Compared, Comparison};
-use crate::cost::period_cost::{Cost, cost, operations};
 use crate::judge::judged_run::{JudgedRun, Verdict};
 use crate::judge::requirement::Requirement;
 use crate::plan::exact_plan::ExactPlan;
@@ -14,7 +13,6 @@ use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Space, common_or_plan_for, format_named};
 use crate::run::options::Options;
-use crate::run::recorded_run::RecordedRun;
 use feed_plan::in_parallel;
 
 /// Records every run of `comparison` that was not refused, prices it on each of `targets`, and makes a new
@@ -43,7 +41,7 @@ where
         let Some((name, recorded)) = recorded? else { continue };
         run.operations = Some(operations(&recorded));
         for target in targets {
-            run.cycles.insert(target.name.clone(), cost(&recorded, target, name, problem.period_s()));
+            run.cycles.insert(target.name.clone(), cost(&recorded, target, name, Some(problem.period_s())));
         }
         demand_that_it_fits(run, targets);
     }

@@ -5,8 +5,8 @@ use std::fmt;
 
 use real::FormatName;
 use serde::Serialize;
+use target_cost::Cost;
 
-use crate::cost::period_cost::Cost;
 use crate::judge::judgement::{Judge, Judgement};
 use crate::judge::metrics::{Fluctuation, PerPeriod};
 use crate::judge::reference::Reference;

@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use real::{Audit, Backend, Extremes};
 use secant_interp::Method;
+use target_cost::RecordedRun;
 
 use crate::refusal::Refusal;
 use crate::run::auditor::Auditor;
@@ -11,7 +12,6 @@ use crate::run::few_backends::{Work, in_format_named};
 use crate::run::job::Job;
 use crate::run::observer::{Observer, threads_for};
 use crate::run::on_pieces::PlannedSection;
-use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{AboutRun, own_step_mm};
 use crate::run::{on_global_parameter, on_pieces};
 

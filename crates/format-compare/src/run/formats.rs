@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 use c_code::CFiles;
 use real::{Backend, FormatName, RuntimeFixed, RuntimeFormat};
 use secant_interp::StreamHeader;
+use target_cost::RecordedRun;
 
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
@@ -17,7 +18,6 @@ use crate::run::few_backends::{Work, in_format_named};
 use crate::run::job::Job;
 use crate::run::observer::{Observer, with_steps};
 use crate::run::options::{Options, PlanIn};
-use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{AboutRun, Run};
 use crate::run::stream::{StreamFailure, StreamRequest, stream};
 use crate::run::vectors::{Vectors, Words, vectors};

@@ -7,6 +7,7 @@ use feed_plan::Schedule;
 use nurbs_core::{Evaluate, NurbsCurve};
 use real::{Audited, Backend, Recorded};
 use secant_interp::{CurvePart, Interpolator, Method, State, Tolerance};
+use target_cost::RecordedRun;
 
 use crate::plan::in_format::{in_format, nearest};
 use crate::plan::lengths::Lengths;
@@ -15,7 +16,7 @@ use crate::run::at_cruise::GreatestAtCruise;
 use crate::run::auditor::Auditor;
 use crate::run::job::{Job, most_of_section};
 use crate::run::observer::{Observer, Stretch, in_stretches, threads_for};
-use crate::run::recorded_run::RecordedRun;
+use crate::run::recorded_run::recorded;
 use crate::run::run::{AboutRun, RunStep, resolution_at, unit_in_last_place};
 
 /// The interpolator from one rest to the next.
@@ -58,7 +59,7 @@ pub(crate) fn record<R: Backend, const D: usize>(
 ) -> Result<RecordedRun, Refusal> {
     prepared::<Recorded<R>, D, _>(job, method, |parts| {
         let runs = parts.iter().map(|part| (part.start(), part));
-        RecordedRun::of((most as u64).min(job.most_periods()), runs, |part, state| part.step(state).is_some())
+        recorded((most as u64).min(job.most_periods()), runs, |part, state| part.step(state).is_some())
     })
 }
 

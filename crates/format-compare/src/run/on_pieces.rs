@@ -6,6 +6,7 @@ use feed_plan::Schedule;
 use nurbs_core::PiecesBuf;
 use real::{Audit, Audited, Backend, DoubleDouble, Real, Recorded};
 use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError, Section};
+use target_cost::RecordedRun;
 
 use crate::plan::in_format::in_format;
 use crate::refusal::Refusal;
@@ -13,7 +14,7 @@ use crate::run::auditor::Auditor;
 use crate::run::in_order::{Threads, in_order};
 use crate::run::job::{Job, most_of_section};
 use crate::run::observer::{Observer, Stretch, in_stretches, stretches};
-use crate::run::recorded_run::RecordedRun;
+use crate::run::recorded_run::recorded;
 use crate::run::run::{AboutRun, resolution_at, unit_in_last_place};
 use crate::run::steps_on_pieces::{Outcome, OverriddenSteps, Steps};
 
@@ -160,7 +161,7 @@ pub(crate) fn record<R: Backend, const D: usize>(
     let path = compiled::<Recorded<R>, D>(job)?;
     let runs = path.runs().map(|run| (run.start(), run));
     let most = (most as u64).min(job.most_periods());
-    Ok(RecordedRun::of(most, runs, |run, state| run.step(state).is_some()))
+    Ok(recorded(most, runs, |run, state| run.step(state).is_some()))
 }
 
 /// Path and plan in `R`, as they lie in a controller's flash.

@@ -13,9 +13,8 @@ use std::collections::BTreeMap;
 use nurbs_core::SignalBound;
 use real::{Datapath, FormatName, Quantized, Rounding};
 use serde::Serialize;
-use target_cost::Target;
+use target_cost::{Cost, Target, cost, operations};
 
-use crate::cost::period_cost::{Cost, cost, operations};
 use crate::judge::judged_run::JudgedRun;
 use crate::judge::not_of_format::{NotOfFormat, not_of_format};
 use crate::plan::exact_plan::ExactPlan;
@@ -227,7 +226,7 @@ where
     uniform.operations = Some(operations(&recorded));
     let widest = sizing.mixed.as_ref().and_then(Mixed::widest);
     for target in targets {
-        let priced = |format| cost(&recorded, target, format, problem.period_s());
+        let priced = |format| cost(&recorded, target, format, Some(problem.period_s()));
         uniform.cycles.insert(target.name.clone(), priced(format.name()));
         if let (Some(mixed), Some(widest)) = (&mut sizing.mixed, widest) {
             mixed.cycles.insert(target.name.clone(), priced(widest));

@@ -18,6 +18,8 @@ pub struct Audit {
     pub underflows: u64,
     /// Divisions by zero.
     pub divisions_by_zero: u64,
+    /// The first signal that was named after the first overflow; `None` without an overflow, or a signal after it.
+    pub first_overflow: Option<&'static str>,
     /// The range of each named signal.
     pub signals: BTreeMap<&'static str, SignalRange>,
     /// How large the values of each named signal were, by powers of two.
@@ -45,6 +47,7 @@ impl Audit {
         self.overflows += other.overflows;
         self.underflows += other.underflows;
         self.divisions_by_zero += other.divisions_by_zero;
+        self.first_overflow = self.first_overflow.or(other.first_overflow);
         for (name, range) in other.signals {
             self.signals.entry(name).or_default().join(&range);
         }
@@ -61,8 +64,9 @@ impl Audit {
 
     /// The audit that a record ends with.
     fn of_record(record: Record) -> Self {
-        let Record { overflows, underflows, divisions_by_zero, signals, .. } = record;
-        let mut audit = Audit { overflows, underflows, divisions_by_zero, ..Self::default() };
+        let Record { overflows, underflows, divisions_by_zero, first_overflow, signals, .. } = record;
+        let mut audit =
+            Audit { overflows, underflows, divisions_by_zero, first_overflow, ..Self::default() };
         for mut signal in signals {
             signal.include_newest();
             signal.include_words();

@@ -30,6 +30,8 @@ pub(super) struct Record {
     places: HashMap<(usize, usize), usize, BuildHasherDefault<PlaceHasher>>,
     /// Overflows and underflows that have already been counted for a signal.
     charged: (u64, u64),
+    /// The signal that was the first to be charged with an overflow.
+    pub(super) first_overflow: Option<&'static str>,
     /// The range of all signals, where it alone is wanted: then no signal is kept by its name.
     pub(super) all: Option<All>,
 }
@@ -64,6 +66,9 @@ impl Record {
     /// Counts for the signal that was named last what was lost before it.
     #[cold]
     fn charge(&mut self, lost: (u64, u64)) {
+        if lost.0 != self.charged.0 && self.first_overflow.is_none() {
+            self.first_overflow = Some(self.signals[self.last].name);
+        }
         let range = &mut self.signals[self.last].range;
         range.overflows += lost.0 - self.charged.0;
         range.underflows += lost.1 - self.charged.1;

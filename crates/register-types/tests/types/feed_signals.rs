@@ -1,10 +1,6 @@
 // Part a ?part? -- ?/ of?mine: 3 registers of 34 bits in all.
-// Written by `feedbits size --types`, version 0.1.0.
 //
-// The feed fluctuates by 7.6e-7, and 1.0e-6 are allowed, if each signal
-// is rounded to its type wherever it is computed, and the operators between two
-// signals are exact to 53 bits. A type is as wide as the bound of its signal, which
-// is proved for this part, demands: only what is rounded up to the bound overflows.
+// Its signals.
 // Rounding: to nearest, ties up. Overflow: the high bits are lost.
 //
 // For the crate `fixed`. Its operators round down: round their results as above.

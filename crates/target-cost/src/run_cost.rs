@@ -1,12 +1,15 @@
-//! The cost of a period on a target.
+//! The cost of a run on a target: of its mean step, and of its dearest.
 
 use std::collections::BTreeMap;
 
 use real::FormatName;
 use serde::Serialize;
-use target_cost::{Cycles, Kind, Measure, NoPrice, StepCost, Target};
 
-use crate::run::recorded_run::RecordedRun;
+use crate::cycles::Cycles;
+use crate::recorded_run::RecordedRun;
+use crate::schedule::{NoPrice, StepCost};
+use crate::target::{Kind, Measure, Target};
+use crate::task::Priced;
 
 /// The cost of a run on one target.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,7 +38,7 @@ pub struct PeriodCost {
     /// The unit of the figures.
     pub measure: Measure,
     /// The source of the figures.
-    pub level: Level,
+    pub level: CostSource,
     /// The dearest period, in microseconds, if the clock is known.
     pub microseconds_max: Option<f64>,
     /// Low and high of the dearest period, in microseconds: the fewest cycles at the fastest clock, the most at the slowest.
@@ -60,7 +63,7 @@ pub struct PeriodCost {
 /// The source of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Level {
+pub enum CostSource {
     /// The recorded step runs on a model of the target that is taken from manuals.
     Scheduled,
     /// The recorded step, where the cost of an operation was counted in an emulator of the instruction set.
@@ -94,19 +97,21 @@ impl PeriodCost {
 }
 
 /// Mean operations of a step, by kind.
-pub(crate) fn operations(run: &RecordedRun) -> BTreeMap<&'static str, f64> {
+#[must_use]
+pub fn operations(run: &RecordedRun) -> BTreeMap<&'static str, f64> {
     let mut kinds = BTreeMap::new();
     let total: u32 = run.steps.iter().map(|(_, count)| count).sum();
     for (step, count) in &run.steps {
-        for task in step.tasks.iter().filter(|task| task.operation != target_cost::Priced::Load) {
+        for task in step.tasks.iter().filter(|task| task.operation != Priced::Load) {
             *kinds.entry(task.operation.name()).or_insert(0.0) += f64::from(*count) / f64::from(total.max(1));
         }
     }
     kinds
 }
 
-/// The cost of a period of the run on `target`.
-pub(crate) fn cost(run: &RecordedRun, target: &Target, format: FormatName, period_s: f64) -> Cost {
+/// The cost of a period of the run on `target`. The period is the time that a step may take, if there is one.
+#[must_use]
+pub fn cost(run: &RecordedRun, target: &Target, format: FormatName, period_s: Option<f64>) -> Cost {
     let priced = run
         .steps
         .iter()
@@ -133,10 +138,10 @@ pub(crate) fn cost(run: &RecordedRun, target: &Target, format: FormatName, perio
         mean_range: [mean.low, mean.high],
         max_range: [max.low, max.high],
         measure: target.measure,
-        level: if target.calibrated { Level::ScheduledOnCountedCosts } else { Level::Scheduled },
+        level: if target.calibrated { CostSource::ScheduledOnCountedCosts } else { CostSource::Scheduled },
         microseconds_max: clock.map(|mhz| max.typical / mhz.typical),
         microseconds_range: clock.map(|mhz| [max.low / mhz.high, max.high / mhz.low]),
-        share_of_period: clock.map(|mhz| max.typical / mhz.typical * 1e-6 / period_s),
+        share_of_period: clock.zip(period_s).map(|(mhz, period_s)| max.typical / mhz.typical * 1e-6 / period_s),
         dominating,
         dominating_share: if all > 0.0 { most / all } else { 0.0 },
         dsp_blocks: fpga.then(|| priced.iter().map(|(step, _)| step.dsp_blocks).max().unwrap_or(0)),

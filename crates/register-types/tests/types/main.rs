@@ -1,44 +1,41 @@
 //! The types hold what the formats of the search hold: VHDL in a simulation, C++ and C by a compiler, Rust in this test.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use expect_test::expect_file;
-
-use super::*;
+use real::{Datapath, Overflow, Rounding};
+use register_types::{Language, Register, Types};
 
 #[expect(unreachable_pub, reason = "the types are for everybody in the crate that they are generated for")]
 mod feed_signals;
 
 /// Three registers: a wide one, one without a bit for the integers, and the narrowest.
-fn registers(datapath: Datapath) -> Mixed {
-    let signal = |signal, integer_bits, fraction_bits, bound| Register {
+fn registers() -> [Register<'static>; 3] {
+    let register = |signal, integer_bits, fraction_bits, bound| Register {
         signal,
-        group: "step",
         meaning: "what it is",
-        format: FormatName::Fixed { integer_bits, fraction_bits, datapath }.to_string(),
-        bits: integer_bits + fraction_bits,
+        integer_bits,
+        fraction_bits,
         bound,
     };
-    let signals = vec![
-        signal("parameter", 3, 23, 3.4567),
-        signal("chord_turn", 1, 4, 0.0335),
-        signal("joint_travelled", 2, 1, 1.00001),
-    ];
-    Mixed {
-        signals,
-        bits: 34,
-        uniform_bits: 78,
-        fluctuation: 7.6e-7,
-        margin: 1.3,
-        cycles: Default::default(),
-    }
+    [
+        register("parameter", 3, 23, 3.4567),
+        register("chord_turn", 1, 4, 0.0335),
+        register("joint_travelled", 2, 1, 1.00001),
+    ]
+}
+
+fn of_part(part: &str, language: Language, datapath: Datapath) -> String {
+    let about =
+        [format!("Part {part}: 3 registers of 34 bits in all."), String::new(), "Its signals.".to_string()];
+    let example = ["step_per_chord", "chord_length", "step"];
+    Types { registers: &registers(), datapath, prefix: "feed", about: &about, example }.in_language(language)
 }
 
 fn in_language(language: Language, datapath: Datapath) -> String {
-    let mixed = registers(datapath);
-    Types { mixed: &mixed, datapath, part: "a \"part\" -- */ of\nmine", fluctuation_limit: 1e-6 }
-        .in_language(language)
+    of_part("a \"part\" -- */ of\nmine", language, datapath)
 }
 
 fn datapaths() -> impl Iterator<Item = Datapath> {
@@ -54,20 +51,20 @@ const NEAREST: Datapath = Datapath { rounding: Rounding::Nearest, overflow: Over
 const FINER: u32 = 3;
 
 /// For each register values in units of 2^-(F + 3), and the word that each must become.
-fn expected(datapath: Datapath) -> Vec<(Register, Vec<(i64, i64)>)> {
-    let of = |register: Register| {
-        let reach = 3_i64 << (register.bits + FINER - 1);
+fn expected(datapath: Datapath) -> Vec<(Register<'static>, Vec<(i64, i64)>)> {
+    let of = |register: Register<'static>| {
+        let reach = 3_i64 << (register.bits() + FINER - 1);
         let stride = (2 * reach / 50).max(1) | 1;
         let units = (-reach..=reach).step_by(usize::try_from(stride).unwrap());
         // Ties, of even and of odd words, and the extremes.
         let half = 1 << (FINER - 1);
-        let ends = [-1, 1].map(|sign| sign << (register.bits + FINER - 1));
+        let ends = [-1, 1].map(|sign| sign << (register.bits() + FINER - 1));
         let more =
             [-3 * half, -half, half, 3 * half].into_iter().chain(ends.into_iter().flat_map(|e| e - 9..e + 9));
-        let words = units.chain(more).map(|units| (units, word(units, register.bits, datapath))).collect();
+        let words = units.chain(more).map(|units| (units, word(units, register.bits(), datapath))).collect();
         (register, words)
     };
-    registers(datapath).signals.into_iter().map(of).collect()
+    registers().map(of).into()
 }
 
 /// The closed form of rounding and overflow, in integers.
@@ -86,10 +83,6 @@ fn word(units: i64, bits: u32, datapath: Datapath) -> i64 {
         Overflow::Wrap => (rounded + extreme).rem_euclid(2 * extreme) - extreme,
         Overflow::Saturate => rounded.clamp(-extreme, extreme - 1),
     }
-}
-
-fn fraction_bits(register: &Register) -> u32 {
-    Row::of(register).unwrap().fraction_bits
 }
 
 /// Whether a tool is there. Without it the test is skipped, unless FEEDBITS_REGISTER_TYPES is set.
@@ -121,8 +114,8 @@ fn testbench(datapath: Datapath) -> String {
             .to_string();
     let mut checks = String::new();
     for (register, words) in expected(datapath) {
-        let Register { signal, bits, .. } = &register;
-        let (low, width) = (fraction_bits(&register) + FINER, bits + FINER + 2);
+        let (signal, bits) = (register.signal, register.bits());
+        let (low, width) = (register.fraction_bits + FINER, bits + FINER + 2);
         let _ = writeln!(
             text,
             "        variable {signal}_register : {signal}_t;\n        variable {signal}_wide : sfixed({} downto -{low});",
@@ -134,7 +127,7 @@ fn testbench(datapath: Datapath) -> String {
                 "        {signal}_wide := \"{}\";\n        {signal}_register := to_register({signal}_wide, {signal}_register);\n        \
                  assert to_slv({signal}_register) = \"{}\" report \"{signal} of {units}\" severity failure;",
                 binary(units, width),
-                binary(word, *bits)
+                binary(word, bits)
             );
         }
     }
@@ -170,7 +163,7 @@ fn hls_headers() -> Option<[PathBuf; 2]> {
 fn program_of_hls(datapath: Datapath) -> String {
     let mut text = "#include \"feed_signals.h\"\n#include <cmath>\n#include <cstdio>\nint main() {\n    int wrong = 0;\n".to_string();
     for (register, words) in expected(datapath) {
-        let (signal, fraction_bits) = (register.signal, fraction_bits(&register));
+        let (signal, fraction_bits) = (register.signal, register.fraction_bits);
         for (units, word) in words {
             let _ = writeln!(
                 text,
@@ -212,14 +205,14 @@ fn test_the_c_header_compiles_and_its_words_are_wide_enough() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("feed_signals.h"), in_language(Language::C, NEAREST)).unwrap();
     let mut text = "#include \"feed_signals.h\"\n#include \"feed_signals.h\"\n".to_string();
-    for register in registers(NEAREST).signals {
+    for register in registers() {
         let (signal, name) = (register.signal, register.signal.to_uppercase());
         let _ = writeln!(
             text,
             "typedef char {signal}_fits[8 * sizeof(feed_{signal}) >= FEED_{name}_BITS && FEED_{name}_BITS == {} \
              && FEED_{name}_FRACTION_BITS == {} ? 1 : -1];",
-            register.bits,
-            fraction_bits(&register)
+            register.bits(),
+            register.fraction_bits
         );
     }
     std::fs::write(folder.path().join("main.c"), text).unwrap();
@@ -230,15 +223,13 @@ fn test_the_c_header_compiles_and_its_words_are_wide_enough() {
 #[test]
 fn test_the_rust_module_compiles_and_its_types_are_wide_enough() {
     let text = in_language(Language::Rust, NEAREST);
-    expect_file![Path::new(env!("CARGO_MANIFEST_DIR")).join("src/size/types/tests/feed_signals.rs")]
-        .assert_eq(&text);
+    expect_file![Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/types/feed_signals.rs")].assert_eq(&text);
     let widths = [
         (feed_signals::Parameter::FRAC_NBITS, feed_signals::Parameter::INT_NBITS),
         (feed_signals::ChordTurn::FRAC_NBITS, feed_signals::ChordTurn::INT_NBITS),
         (feed_signals::JointTravelled::FRAC_NBITS, feed_signals::JointTravelled::INT_NBITS),
     ];
-    for (register, (fraction, integer)) in registers(NEAREST).signals.iter().zip(widths) {
-        let row = Row::of(register).unwrap();
+    for (row, (fraction, integer)) in registers().iter().zip(widths) {
         assert!(fraction == row.fraction_bits && integer >= row.integer_bits, "{}", row.signal);
     }
 }
@@ -262,11 +253,8 @@ fn test_a_bound_is_rounded_up() {
 /// A name changes the line of the comment that has it, and nothing else: neither the lines around it nor what a compiler takes of them.
 #[test]
 fn test_a_name_changes_the_words_of_a_comment_alone() {
-    let mixed = registers(NEAREST);
     for language in [Language::Vhdl, Language::Hls, Language::Matlab, Language::Rust, Language::C] {
-        let of = |part| {
-            Types { mixed: &mixed, datapath: NEAREST, part, fluctuation_limit: 1e-6 }.in_language(language)
-        };
+        let of = |part| of_part(part, language, NEAREST);
         let (mark, plain) = match language {
             Language::Vhdl => ("-- ", of("plain")),
             Language::Matlab => ("% ", of("plain")),
