@@ -13,6 +13,7 @@ mod convert;
 mod ending;
 mod examples;
 mod files;
+mod fingerprint;
 mod formats;
 #[cfg(test)]
 mod frozen;
@@ -20,6 +21,7 @@ mod input;
 mod interpolate;
 mod interrupt;
 mod machine;
+mod machine_from;
 mod merge;
 mod numbers;
 mod output;
@@ -30,9 +32,12 @@ mod plan;
 mod presets;
 mod progress;
 mod report;
+mod resumed_file;
 mod run_arguments;
 mod screen;
 mod servo;
+mod set;
+mod shard;
 mod size;
 mod smooth;
 mod sweep;
@@ -54,7 +59,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
     version,
     about,
     after_help = "Exit status: 0 good; 1 a stated requirement is not met, or `check` found something suspicious; 2 bad input or \
-                  usage; 3 worse than the baseline; 130 ended by Ctrl-C."
+                  usage; 3 worse than the baseline; 4 parts of a set cannot be read or run; 130 ended by Ctrl-C."
 )]
 struct Arguments {
     /// Print nothing but results, warnings and errors: no progress, no notes.

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use format_report::SweepCell;
+use format_report::{Sweep, SweepCell};
 
 use crate::ending::Ending;
 use crate::places::Place;
 use crate::sweep::Places;
-use crate::{output, report, sweep, sweep_file};
+use crate::{output, report, resumed_file, sweep};
 
 /// Options of `merge`.
 #[derive(Args)]
@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let mut cells: BTreeMap<usize, (SweepCell, String)> = BTreeMap::new();
     for path in &arguments.files {
         let name = path.display().to_string();
-        let (plan, found) = sweep_file::read(path)?;
+        let (plan, found): (Sweep, _) = resumed_file::read(path)?;
         match &joined {
             None => joined = Some((plan, name.clone())),
             Some((first, of)) if *first != plan => bail!(
@@ -68,9 +68,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         );
     }
     let cells: Vec<SweepCell> = cells.into_values().map(|(cell, _)| cell).collect();
-    let mut text = sweep_file::line(&plan)?;
+    let mut text = resumed_file::line(&plan)?;
     for cell in &cells {
-        text += &sweep_file::line(cell)?;
+        text += &resumed_file::line(cell)?;
     }
     let report = sweep::report_of(&plan, &cells, &places)?;
     output::write(&places.file, &text)?;

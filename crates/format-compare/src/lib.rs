@@ -102,6 +102,7 @@ mod judge {
 }
 
 mod size {
+    pub(crate) mod common_format;
     pub(crate) mod fewest_bits;
     mod signals;
     pub(crate) mod size;
@@ -113,7 +114,7 @@ mod compare {
     pub(crate) mod price;
 }
 
-pub use compare::compare::{Compared, Comparison, PartSummary, Watch, compare, compare_with};
+pub use compare::compare::{Compared, Comparison, PartSummary, Watch, common_plan, compare, compare_with};
 pub use compare::price::price;
 pub use cost::period_cost::{Cost, Level, PeriodCost};
 pub use feed_plan::ProfileKind;
@@ -146,5 +147,6 @@ pub use run::recorded_run::RecordedRun;
 pub use run::run::{AboutRun, Run, RunStep};
 pub use run::stream::{StreamFailure, StreamRequest};
 pub use run::vectors::{VectorColumn, VectorTable, Vectors, VectorsAbout};
+pub use size::common_format::{common_format, runs_in, splits};
 pub use size::fewest_bits::{FewestBits, fewest_bits};
 pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, size};
