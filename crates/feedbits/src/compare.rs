@@ -62,8 +62,7 @@ impl Arguments {
 
     /// The forms of the path that are run: all that the options name where each figure is shown.
     fn engines(&self) -> Result<Vec<Engine>> {
-        let shows_all =
-            self.wide || self.output.json || self.report.is_some() || self.baseline.is_given();
+        let shows_all = self.wide || self.output.json || self.report.is_some() || self.baseline.is_given();
         if shows_all { self.run.engines() } else { self.shown() }
     }
 }
@@ -120,12 +119,6 @@ struct CompareEach<'a> {
     targets: &'a [Target],
 }
 
-impl CompareEach<'_> {
-    fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
-        Ok(Options { interrupt: Some(interrupt::flag()), ..self.arguments.run.options_for(problem)? })
-    }
-}
-
 impl OfEachPart for CompareEach<'_> {
     const COMMAND: &'static str = "compare";
 
@@ -136,6 +129,10 @@ impl OfEachPart for CompareEach<'_> {
 
     fn datapath(&self) -> Datapath {
         Datapath::default()
+    }
+
+    fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
+        Ok(Options { interrupt: Some(interrupt::flag()), ..self.arguments.run.options_for(problem)? })
     }
 
     fn work<const D: usize>(&self, problem: &Problem<D>, part_checksum: u32) -> Result<Worked>
@@ -158,19 +155,6 @@ impl OfEachPart for CompareEach<'_> {
     {
         let formats = selected::<D>(&self.formats)?;
         Ok(format_compare::common_plan(problem, &formats, &self.options_for(problem)?)?)
-    }
-
-    fn tried<const D: usize>(
-        &self,
-        problem: &Problem<D>,
-        plan: &ExactPlan,
-        runs: &[JudgedRun],
-        formats: &[FormatName],
-    ) -> Result<Vec<Option<JudgedRun>>>
-    where
-        Space: Dimension<D>,
-    {
-        Ok(format_compare::runs_in(problem, plan, runs, &self.options_for(problem)?, formats)?)
     }
 
     fn own_answer(&self, result: &Value) -> OwnAnswer {

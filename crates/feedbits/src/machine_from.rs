@@ -85,9 +85,11 @@ pub(crate) fn machine_from(path: &Path) -> Result<Made> {
 fn made(name: &str, text: &str) -> Result<Made> {
     // Editors of Windows put a mark of the byte order before the text.
     let text = text.trim_start_matches('\u{feff}');
-    let small = Path::new(name).file_name().map(|last| last.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let small =
+        Path::new(name).file_name().map(|last| last.to_string_lossy().to_lowercase()).unwrap_or_default();
     let by_content = CONTROLS.iter().find(|control| (control.is_of)(text));
-    let Some(control) = by_content.or_else(|| CONTROLS.iter().find(|control| (control.is_named)(&small))) else {
+    let Some(control) = by_content.or_else(|| CONTROLS.iter().find(|control| (control.is_named)(&small)))
+    else {
         let names: Vec<&str> = CONTROLS.iter().map(|control| control.name).collect();
         bail!("{name}: no settings that are known: expected {}", names.join(", "));
     };
@@ -163,7 +165,9 @@ mod tests {
                 }
             }
         }
-        for text in ["", "\0\0\0", "G1 X10\n", &"[".repeat(100_000), &"$1=".repeat(100_000), &" :\n".repeat(100_000)] {
+        for text in
+            ["", "\0\0\0", "G1 X10\n", &"[".repeat(100_000), &"$1=".repeat(100_000), &" :\n".repeat(100_000)]
+        {
             for name in ["a", "a.h", "a.cfg", "a.ini", "a.yaml", "grbl"] {
                 assert!(made(name, text).is_err(), "{name}");
             }
@@ -174,10 +178,25 @@ mod tests {
     #[test]
     fn a_number_beside_its_domain_is_refused_with_its_line() {
         for (name, text, (old, new), place) in [
-            ("Configuration.h", marlin::tests::SMALL, ("{ 200, 180, 8, 30 }", "{ 1e300, 180, 8, 30 }"), "Configuration.h:7: "),
+            (
+                "Configuration.h",
+                marlin::tests::SMALL,
+                ("{ 200, 180, 8, 30 }", "{ 1e300, 180, 8, 30 }"),
+                "Configuration.h:7: ",
+            ),
             ("printer.cfg", klipper::tests::SMALL, ("max_accel: 2500", "max_accel: -1"), "printer.cfg:5: "),
-            ("mill.ini", linuxcnc::tests::SMALL, ("SERVO_PERIOD = 500000", "SERVO_PERIOD = 0"), "mill.ini:4: "),
-            ("config.yaml", fluidnc::tests::SMALL, ("acceleration_mm_per_sec2: 250", "acceleration_mm_per_sec2: nan"), "config.yaml:7: "),
+            (
+                "mill.ini",
+                linuxcnc::tests::SMALL,
+                ("SERVO_PERIOD = 500000", "SERVO_PERIOD = 0"),
+                "mill.ini:4: ",
+            ),
+            (
+                "config.yaml",
+                fluidnc::tests::SMALL,
+                ("acceleration_mm_per_sec2: 250", "acceleration_mm_per_sec2: nan"),
+                "config.yaml:7: ",
+            ),
             ("grbl.txt", grbl::tests::SMALL, ("$120=350.000", "$120=inf"), "grbl.txt:"),
         ] {
             assert!(text.contains(old), "{old}");

@@ -89,7 +89,7 @@ enum Command {
     /// Compare over interpolation periods, feeds and part sizes: where does a format stay good?
     #[command(after_help = examples::SWEEP)]
     Sweep(sweep::Arguments),
-    /// Join the files of a sweep's shards.
+    /// Join the files of shards, of a sweep or of a set of parts.
     #[command(after_help = examples::MERGE)]
     Merge(merge::Arguments),
     /// Simulate the axis servo loops: following and contour error per format, circle test, tuning table.

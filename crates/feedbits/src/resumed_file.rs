@@ -80,8 +80,7 @@ impl ResumedFile {
                 file.set_len(0).with_context(cannot)?;
                 file.seek(SeekFrom::Start(0)).with_context(cannot)?;
             }
-            let mut file =
-                Self { file, name: name.to_string(), line: W::LINE, whole: 0, failure: None };
+            let mut file = Self { file, name: name.to_string(), line: W::LINE, whole: 0, failure: None };
             file.add_line(&header)?;
             return Ok((file, Vec::new()));
         };
@@ -170,6 +169,19 @@ fn lock<W: Work>(file: &File, path: &Path) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Whether the first line of a file is that of such work.
+pub(crate) fn is_of<W: Work>(path: &Path) -> Result<bool> {
+    let name = path.display().to_string();
+    let mut lines = Lines {
+        source: BufReader::new(files::open("the file", path)?),
+        what: W::NAME,
+        number: 0,
+        whole: 0,
+        last: Vec::new(),
+    };
+    Ok(lines.advance(&name)? && read_line::<W>(&lines.last, W::LINE, W::NAME).is_ok())
 }
 
 /// Reads the file of a work. Its last line may be torn, or still be written.

@@ -51,7 +51,12 @@ pub(crate) struct Outputs<'a> {
 }
 
 /// Does the work of a command for each part of a set, and prints the answer for all of them.
-pub(crate) fn run<W: OfEachPart>(work: &W, parts: &Parts, run: &RunArguments, outputs: &Outputs<'_>) -> Result<Ending> {
+pub(crate) fn run<W: OfEachPart>(
+    work: &W,
+    parts: &Parts,
+    run: &RunArguments,
+    outputs: &Outputs<'_>,
+) -> Result<Ending> {
     let (resumed, folder) = (parts.resumed(W::COMMAND)?, parts.cache()?);
     let files = parts.files()?;
     let machine = parts.reading().machine()?;
@@ -102,7 +107,10 @@ pub(crate) fn run<W: OfEachPart>(work: &W, parts: &Parts, run: &RunArguments, ou
 /// A part of the set, known by what it says now.
 fn part_of_set(parts: &Parts, file: &PartFile) -> PartOfSet {
     let text = parts.reading().text_of(&file.path);
-    PartOfSet { name: file.name.clone(), fingerprint: text.map_or_else(|_| String::new(), |text| text.fingerprint()) }
+    PartOfSet {
+        name: file.name.clone(),
+        fingerprint: text.map_or_else(|_| String::new(), |text| text.fingerprint()),
+    }
 }
 
 /// The answer for a set, and what it is made of.
@@ -129,9 +137,9 @@ impl Found {
         };
         let pair = |format: &FormatOfSet| [format.format.clone(), format.engine.clone()];
         let recommended = recommended.map(pair);
-        let on = targets.iter().filter_map(|target| {
-            Some((target.name.clone(), pair(cheapest(&answer.formats, &target.name)?)))
-        });
+        let on = targets
+            .iter()
+            .filter_map(|target| Some((target.name.clone(), pair(cheapest(&answer.formats, &target.name)?))));
         answer.recommended_on = on.collect();
         (answer.recommended, answer.recommended_engine) =
             recommended.map_or((None, None), |[format, engine]| (Some(format), Some(engine)));
@@ -161,7 +169,11 @@ impl Found {
 }
 
 /// Prints the parts that are finished: Ctrl-C has ended the work, or the others are of other shards.
-fn unfinished<W: OfEachPart>(search: &Search<'_, W>, set: &SetOfParts, outputs: &Outputs<'_>) -> Result<Ending> {
+fn unfinished<W: OfEachPart>(
+    search: &Search<'_, W>,
+    set: &SetOfParts,
+    outputs: &Outputs<'_>,
+) -> Result<Ending> {
     let results = search.results()?;
     let answer = Answer::of_endings(search, &results, set);
     let lines = answer::lines(search, &results, &answer);

@@ -5,7 +5,7 @@ mod types;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use format_compare::{
-    Dimension, Engine, ExactPlan, FrontPoint, JudgedRun, Machine, Mixed, Options, Problem, Register, Sizing, Space,
+    Dimension, Engine, ExactPlan, FrontPoint, Machine, Mixed, Options, Problem, Register, Sizing, Space,
 };
 use real::{Datapath, FormatName, Overflow, Rounding};
 use serde::Serialize;
@@ -119,12 +119,6 @@ struct SizeEach<'a> {
     targets: &'a [Target],
 }
 
-impl SizeEach<'_> {
-    fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
-        Ok(Options { interrupt: Some(interrupt::flag()), ..self.arguments.run.options_for(problem)? })
-    }
-}
-
 impl OfEachPart for SizeEach<'_> {
     const COMMAND: &'static str = "size";
 
@@ -135,6 +129,10 @@ impl OfEachPart for SizeEach<'_> {
 
     fn datapath(&self) -> Datapath {
         self.arguments.datapath()
+    }
+
+    fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
+        Ok(Options { interrupt: Some(interrupt::flag()), ..self.arguments.run.options_for(problem)? })
     }
 
     fn work<const D: usize>(&self, problem: &Problem<D>, part_checksum: u32) -> Result<Worked>
@@ -152,19 +150,6 @@ impl OfEachPart for SizeEach<'_> {
         Space: Dimension<D>,
     {
         Ok(Some(planned(problem, &self.options_for(problem)?)?))
-    }
-
-    fn tried<const D: usize>(
-        &self,
-        problem: &Problem<D>,
-        plan: &ExactPlan,
-        runs: &[JudgedRun],
-        formats: &[FormatName],
-    ) -> Result<Vec<Option<JudgedRun>>>
-    where
-        Space: Dimension<D>,
-    {
-        Ok(format_compare::runs_in(problem, plan, runs, &self.options_for(problem)?, formats)?)
     }
 
     fn own_answer(&self, result: &Value) -> OwnAnswer {

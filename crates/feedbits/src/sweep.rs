@@ -156,7 +156,10 @@ struct Base {
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let places = Places {
         folder: report::folder(arguments.report.as_deref())?,
-        file: Place::named("--out", Some(&arguments.out.clone().unwrap_or_else(|| arguments.shard.file("sweep"))))?,
+        file: Place::named(
+            "--out",
+            Some(&arguments.out.clone().unwrap_or_else(|| arguments.shard.file("sweep"))),
+        )?,
         terminal: Place::terminal()?,
     };
     let (part, machine) = arguments.run.part_and_machine(&arguments.input, &arguments.input.text()?)?;

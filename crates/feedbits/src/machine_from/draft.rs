@@ -5,8 +5,8 @@ use std::fmt::Write;
 use anyhow::{Result, bail};
 use domains::Key;
 use domains::machine::{
-    ACCELERATION, AXIS_ACCELERATION, AXIS_JERK, AXIS_VELOCITY, CHORD_ERROR, DEVIATION, FEEDRATE, INCREMENT, JERK,
-    JUNCTION, PERIOD, S_STOPS, VELOCITY_JUMP,
+    ACCELERATION, AXIS_ACCELERATION, AXIS_JERK, AXIS_VELOCITY, CHORD_ERROR, DEVIATION, FEEDRATE, INCREMENT,
+    JERK, JUNCTION, PERIOD, S_STOPS, VELOCITY_JUMP,
 };
 use foreign_text::in_a_line;
 
@@ -29,10 +29,6 @@ impl Said {
     /// A value that is assumed, and why.
     pub(crate) fn assumed(value: f64, why: &str) -> Self {
         Self { value, why: why.to_string(), is_assumed: true }
-    }
-
-    pub(crate) fn value(&self) -> f64 {
-        self.value
     }
 }
 
@@ -80,19 +76,27 @@ const RISE_S: f64 = 0.025;
 /// The jerk of a control that has no limit of it.
 pub(crate) fn assumed_jerk(settings: &Settings, control: &str, acceleration: Taken<'_>) -> Result<Said> {
     let jerk = settings.within(Taken { value: acceleration.value / RISE_S, ..acceleration }, &JERK)?;
-    Ok(Said::assumed(jerk.value, &format!("{control} has no limit of the jerk. The acceleration is there after 25 ms.")))
+    Ok(Said::assumed(
+        jerk.value,
+        &format!("{control} has no limit of the jerk. The acceleration is there after 25 ms."),
+    ))
 }
 
 /// The least step of the drives, which is one over the steps per mm: the coarsest of these axes, as setpoints are judged in all of them alike.
 pub(crate) fn increment(settings: &Settings, steps_per_mm: &[Taken<'_>]) -> Result<Option<Said>> {
-    let least = steps_per_mm.iter().copied().min_by(|one, other| one.value.abs().total_cmp(&other.value.abs()));
+    let least =
+        steps_per_mm.iter().copied().min_by(|one, other| one.value.abs().total_cmp(&other.value.abs()));
     let Some(least) = least else { return Ok(None) };
     let step = settings.within(Taken { value: 1.0 / least.value.abs(), ..least }, &INCREMENT)?;
     Ok(Some(Said::of(step, ": one over the steps per mm")))
 }
 
 /// The lesser of the numbers of X and Y. Z is left to its own limits: it is often far slower.
-pub(crate) fn lesser<'s>(settings: &Settings, axes: &[Option<Taken<'s>>; 3], what: &str) -> Result<Taken<'s>> {
+pub(crate) fn lesser<'s>(
+    settings: &Settings,
+    axes: &[Option<Taken<'s>>; 3],
+    what: &str,
+) -> Result<Taken<'s>> {
     let of_plane = axes[..2].iter().flatten().copied();
     match of_plane.min_by(|one, other| one.value.total_cmp(&other.value)) {
         Some(taken) => Ok(taken),
@@ -107,7 +111,9 @@ impl Draft {
             .values()
             .into_iter()
             .filter(|(_, value)| value.is_assumed)
-            .map(|(key, value)| format!("{} = {} is assumed: {}", key.name, number(value.value), in_a_line(&value.why)))
+            .map(|(key, value)| {
+                format!("{} = {} is assumed: {}", key.name, number(value.value), in_a_line(&value.why))
+            })
             .collect();
         said.extend(self.left_out.iter().map(|text| in_a_line(text)));
         said
@@ -135,7 +141,8 @@ impl Draft {
         for left_out in &self.left_out {
             line(&mut text, &format!("# Not taken: {}", in_a_line(left_out)));
         }
-        text += "#\n# docs/machine-file.md explains the keys, and what a key is that is left out.\n[machine]\n";
+        text +=
+            "#\n# docs/machine-file.md explains the keys, and what a key is that is left out.\n[machine]\n";
         for (key, said) in self.values() {
             if key.name == DEVIATION.name {
                 line(&mut text, &format!("{} = \"deviation\"", JUNCTION.name));
@@ -165,7 +172,8 @@ impl Axis {
             (&AXIS_JERK, &self.jerk),
             (&VELOCITY_JUMP, &self.jump),
         ];
-        let values: Vec<_> = values.into_iter().filter_map(|(key, said)| Some((key, said.as_ref()?))).collect();
+        let values: Vec<_> =
+            values.into_iter().filter_map(|(key, said)| Some((key, said.as_ref()?))).collect();
         if !values.is_empty() {
             line(text, &format!("\n[machine.axes.{letter}]"));
             values.into_iter().for_each(|(key, said)| value(text, key, said));

@@ -17,7 +17,9 @@ const ARC_TOLERANCE_MM: f64 = 0.002;
 pub(crate) fn is_fluidnc(text: &str) -> bool {
     let settings = settings(text);
     let of_axes = ["max_rate_mm_per_min", "acceleration_mm_per_sec2", "steps_per_mm"];
-    settings.iter().any(|one| one.name.starts_with("axes.") && of_axes.iter().any(|key| one.name.ends_with(key)))
+    settings
+        .iter()
+        .any(|one| one.name.starts_with("axes.") && of_axes.iter().any(|key| one.name.ends_with(key)))
 }
 
 /// The keys with values, each named by those above it with dots between.
@@ -27,7 +29,9 @@ fn settings(text: &str) -> Vec<Setting> {
     let mut settings = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let words = line.trim();
-        let Some((key, value)) = words.split_once(':').filter(|_| !words.starts_with(['#', '-'])) else { continue };
+        let Some((key, value)) = words.split_once(':').filter(|_| !words.starts_with(['#', '-'])) else {
+            continue;
+        };
         let indentation = line.len() - line.trim_start().len();
         above.retain(|(of_key, _)| *of_key < indentation);
         let (key, value) = (key.trim().to_lowercase(), without_comment(value));
@@ -60,7 +64,8 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     let accelerations = of_axes("acceleration_mm_per_sec2", 1.0, &AXIS_ACCELERATION)?;
     let steps = [settings.number(&["axes.x.steps_per_mm"])?, settings.number(&["axes.y.steps_per_mm"])?];
     let feedrate = settings.within(lesser(&settings, &rates, "max_rate_mm_per_min")?, &FEEDRATE)?;
-    let acceleration = settings.within(lesser(&settings, &accelerations, "acceleration_mm_per_sec2")?, &ACCELERATION)?;
+    let acceleration =
+        settings.within(lesser(&settings, &accelerations, "acceleration_mm_per_sec2")?, &ACCELERATION)?;
     let corner = match settings.number(&["junction_deviation_mm"])? {
         Some(taken) if taken.value == 0.0 => Corner::Stop(format!("{}.", taken.setting.words())),
         Some(taken) => Corner::Deviation(Said::of(settings.within(taken, &DEVIATION)?, "")),
@@ -68,7 +73,10 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     };
     let chord_error = match settings.scaled(&["arc_tolerance_mm"], 1.0, &CHORD_ERROR)? {
         Some(taken) => Said::of(taken, ": so far chords are off an arc"),
-        None => Said::assumed(ARC_TOLERANCE_MM, "no arc_tolerance_mm: FluidNC's own; so far chords are off an arc."),
+        None => Said::assumed(
+            ARC_TOLERANCE_MM,
+            "no arc_tolerance_mm: FluidNC's own; so far chords are off an arc.",
+        ),
     };
     let axis = |axis: usize| Axis {
         velocity: rates[axis].map(|rate| Said::of(rate, " mm/min")),
@@ -76,8 +84,14 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
         ..Axis::default()
     };
     Ok(Draft {
-        period_ms: Said::assumed(1.0, "1 ms, which a 32-bit processor has time for. FluidNC's steps follow the line, not a chord."),
-        feedrate: Said::of(feedrate, " mm/min, the lesser of X and Y; taken where a program commands no feed"),
+        period_ms: Said::assumed(
+            1.0,
+            "1 ms, which a 32-bit processor has time for. FluidNC's steps follow the line, not a chord.",
+        ),
+        feedrate: Said::of(
+            feedrate,
+            " mm/min, the lesser of X and Y; taken where a program commands no feed",
+        ),
         acceleration: Said::of(acceleration, ", the lesser of X and Y"),
         jerk: assumed_jerk(&settings, "FluidNC", acceleration)?,
         chord_error: Some(chord_error),
@@ -101,7 +115,8 @@ fn laser(settings: &Settings) -> Option<String> {
 fn left_out(settings: &Settings) -> Vec<String> {
     let kinematics = settings.all().iter().filter_map(|one| {
         let name = one.name.strip_prefix("kinematics.").filter(|name| !name.contains('.'))?;
-        (name != "cartesian").then(|| format!("{}: limits of motors are no limits of axes there.", one.words()))
+        (name != "cartesian")
+            .then(|| format!("{}: limits of motors are no limits of axes there.", one.words()))
     });
     kinematics.collect()
 }
@@ -143,13 +158,19 @@ arc_tolerance_mm: 0.004
         assert_eq!((machine.jerk_mm_per_s3, machine.interpolation_period_ms), (8000.0, 1.0));
         assert_eq!((machine.chord_error_mm, machine.position_increment_mm), (0.004, 0.01));
         assert_eq!((machine.junction, machine.s_stops), (Junction::DeviationMm(0.02), true));
-        assert_eq!((machine.axes.x.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2), (Some(50.0), Some(80.0)));
+        assert_eq!(
+            (machine.axes.x.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2),
+            (Some(50.0), Some(80.0))
+        );
         expect_assumptions(&made, 2);
     }
 
     #[test]
     fn what_the_file_does_not_say_is_fluidncs_own() {
-        let text = SMALL.replace("junction_deviation_mm: 0.020\narc_tolerance_mm: 0.004\n", "Laser:\n  tool_num: 0\nkinematics:\n  CoreXY:\n");
+        let text = SMALL.replace(
+            "junction_deviation_mm: 0.020\narc_tolerance_mm: 0.004\n",
+            "Laser:\n  tool_num: 0\nkinematics:\n  CoreXY:\n",
+        );
         let (machine, made) = machine_of("config.yaml", &text);
         assert_eq!((machine.s_stops, machine.junction), (false, Junction::DeviationMm(0.01)));
         expect_assumptions(&made, 4);

@@ -37,7 +37,8 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     let rates = of_axes(110, 1.0 / 60.0, &AXIS_VELOCITY)?;
     let accelerations = of_axes(120, 1.0, &AXIS_ACCELERATION)?;
     let steps = [settings.number(&["$100"])?, settings.number(&["$101"])?];
-    let feedrate = settings.within(lesser(&settings, &rates, "$110 or $111, the greatest rate in mm/min,")?, &FEEDRATE)?;
+    let feedrate = settings
+        .within(lesser(&settings, &rates, "$110 or $111, the greatest rate in mm/min,")?, &FEEDRATE)?;
     let acceleration = lesser(&settings, &accelerations, "$120 or $121, the acceleration in mm/s²,")?;
     let acceleration = settings.within(acceleration, &ACCELERATION)?;
     let numbers = || settings.all().iter().filter_map(|setting| setting.name[1..].parse::<u32>().ok());
@@ -51,7 +52,9 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     };
     let corner = match settings.number(&["$11"])? {
         Some(taken) if taken.value == 0.0 => Corner::Stop(format!("{}.", taken.setting.words())),
-        Some(taken) => Corner::Deviation(Said::of(settings.within(taken, &DEVIATION)?, ", junction deviation")),
+        Some(taken) => {
+            Corner::Deviation(Said::of(settings.within(taken, &DEVIATION)?, ", junction deviation"))
+        }
         None => Corner::Deviation(Said::assumed(0.01, "no $11: Grbl's own junction deviation.")),
     };
     let laser = settings.number(&["$32"])?.filter(|laser| laser.value != 0.0);
@@ -62,7 +65,10 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     };
     Ok(Draft {
         period_ms,
-        feedrate: Said::of(feedrate, " mm/min, the lesser of X and Y; taken where a program commands no feed"),
+        feedrate: Said::of(
+            feedrate,
+            " mm/min, the lesser of X and Y; taken where a program commands no feed",
+        ),
         acceleration: Said::of(acceleration, " mm/s², the lesser of X and Y"),
         jerk: assumed_jerk(&settings, "Grbl", acceleration)?,
         chord_error: settings
@@ -108,7 +114,10 @@ ok
         assert_eq!((machine.chord_error_mm, machine.position_increment_mm), (0.003, 0.0125));
         assert_eq!((machine.junction, machine.s_stops), (Junction::DeviationMm(0.015), true));
         assert_eq!(machine.axes.x.velocity_mm_per_s, Some(100.0));
-        assert_eq!((machine.axes.z.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2), (Some(10.0), Some(50.0)));
+        assert_eq!(
+            (machine.axes.z.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2),
+            (Some(10.0), Some(50.0))
+        );
         expect_assumptions(&made, 2);
     }
 

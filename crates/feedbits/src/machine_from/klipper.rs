@@ -28,11 +28,18 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     let feedrate = needed(&FEEDRATE, "[printer] max_velocity, in mm/s")?;
     let acceleration =
         settings.needed(&["printer.max_accel"], 1.0, &ACCELERATION, "[printer] max_accel, in mm/s²")?;
-    let steps: Vec<Taken<'_>> =
-        ["stepper_x", "stepper_y", "stepper_a"].iter().map(|stepper| steps_per_mm(&settings, stepper)).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+    let steps: Vec<Taken<'_>> = ["stepper_x", "stepper_y", "stepper_a"]
+        .iter()
+        .map(|stepper| steps_per_mm(&settings, stepper))
+        .collect::<Result<Vec<_>>>()?
+        .into_iter()
+        .flatten()
+        .collect();
     let plane = || Axis { velocity: Some(Said::of(velocity, "")), ..Axis::default() };
     let z = Axis {
-        velocity: settings.scaled(&["printer.max_z_velocity"], 1.0, &AXIS_VELOCITY)?.map(|taken| Said::of(taken, "")),
+        velocity: settings
+            .scaled(&["printer.max_z_velocity"], 1.0, &AXIS_VELOCITY)?
+            .map(|taken| Said::of(taken, "")),
         acceleration: settings
             .scaled(&["printer.max_z_accel"], 1.0, &AXIS_ACCELERATION)?
             .map(|taken| Said::of(taken, "")),
@@ -54,9 +61,12 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
 
 /// The junction deviation of the speed through a corner.
 fn corner(settings: &Settings, acceleration: Taken<'_>) -> Result<Corner> {
-    let deviation = |velocity: f64| velocity * velocity * (std::f64::consts::SQRT_2 - 1.0) / acceleration.value;
+    let deviation =
+        |velocity: f64| velocity * velocity * (std::f64::consts::SQRT_2 - 1.0) / acceleration.value;
     let Some(taken) = settings.number(&["printer.square_corner_velocity"])? else {
-        let value = settings.within(Taken { value: deviation(SQUARE_CORNER_VELOCITY), ..acceleration }, &DEVIATION)?.value;
+        let value = settings
+            .within(Taken { value: deviation(SQUARE_CORNER_VELOCITY), ..acceleration }, &DEVIATION)?
+            .value;
         let why = "no square_corner_velocity: Klipper's own 5 mm/s, v² (√2 - 1) / max_accel.";
         return Ok(Corner::Deviation(Said::assumed(value, why)));
     };
@@ -75,7 +85,8 @@ fn steps_per_mm<'s>(settings: &'s Settings, stepper: &str) -> Result<Option<Take
     }
     let Some(distance) = settings.number(&[&key("rotation_distance")])? else { return Ok(None) };
     let microsteps = settings.number(&[&key("microsteps")])?.map_or(1.0, |taken| taken.value);
-    let full_steps = settings.number(&[&key("full_steps_per_rotation")])?.map_or(FULL_STEPS, |taken| taken.value);
+    let full_steps =
+        settings.number(&[&key("full_steps_per_rotation")])?.map_or(FULL_STEPS, |taken| taken.value);
     let gears = match settings.find(&key("gear_ratio")) {
         Some(setting) => match gear_ratio(&setting.value) {
             Some(ratio) => ratio,
@@ -103,7 +114,8 @@ fn left_out(text: &str, settings: &Settings) -> Vec<String> {
         left_out.push(format!("{included} other files, which [include] names, are not read."));
     }
     let kinematics = settings.find("printer.kinematics");
-    let kinematics = kinematics.filter(|one| !["cartesian", "corexy", "corexz", "hybrid_corexy"].contains(&one.value.as_str()));
+    let kinematics = kinematics
+        .filter(|one| !["cartesian", "corexy", "corexz", "hybrid_corexy"].contains(&one.value.as_str()));
     left_out.extend(kinematics.map(|one| format!("{}: limits of its own kinematics.", one.words())));
     left_out
 }
@@ -146,13 +158,18 @@ gcode:
         let Junction::DeviationMm(deviation) = machine.junction else { panic!("{:?}", machine.junction) };
         // 4² (√2 - 1) / 2500
         assert!((deviation - 16.0 * 0.414_213_562 / 2500.0).abs() < 1e-9, "{deviation}");
-        assert_eq!((machine.axes.z.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2), (Some(6.0), Some(120.0)));
+        assert_eq!(
+            (machine.axes.z.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2),
+            (Some(6.0), Some(120.0))
+        );
         expect_assumptions(&made, 2);
     }
 
     #[test]
     fn what_the_file_does_not_say_is_klippers_own() {
-        let text = SMALL.replace("square_corner_velocity: 4\n", "[include more.cfg]\n").replace("cartesian", "delta");
+        let text = SMALL
+            .replace("square_corner_velocity: 4\n", "[include more.cfg]\n")
+            .replace("cartesian", "delta");
         let (_, made) = machine_of("printer.cfg", &text);
         expect_assumptions(&made, 3);
         assert_eq!(made.said.len(), 5, "{:?}", made.said);

@@ -85,7 +85,11 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     };
     let jerk = match is_jerk_limited {
         Ok(taken) => Said::of(taken, ", with PLANNER_TYPE = 1"),
-        Err(()) => assumed_jerk(&settings, "LinuxCNC's planner without PLANNER_TYPE = 1 and MAX_LINEAR_JERK", acceleration)?,
+        Err(()) => assumed_jerk(
+            &settings,
+            "LinuxCNC's planner without PLANNER_TYPE = 1 and MAX_LINEAR_JERK",
+            acceleration,
+        )?,
     };
     let axis = |axis: usize| Axis {
         velocity: velocities[axis].map(|taken| Said::of(taken, "")),
@@ -122,7 +126,8 @@ fn steps_per_mm(settings: &Settings, unit: f64) -> Result<Vec<Taken<'_>>> {
     let mut steps = Vec::new();
     for (joint, letter) in [(0, "X"), (1, "Y")] {
         let names = ["JOINT", "AXIS"].map(|section| {
-            ["STEP_SCALE", "SCALE", "OUTPUT_SCALE", "INPUT_SCALE"].map(|key| format!("{section}_{joint}.{key}"))
+            ["STEP_SCALE", "SCALE", "OUTPUT_SCALE", "INPUT_SCALE"]
+                .map(|key| format!("{section}_{joint}.{key}"))
         });
         let names: Vec<&str> = names.iter().flatten().map(String::as_str).collect();
         let by_letter = format!("AXIS_{letter}.SCALE");
@@ -152,7 +157,10 @@ fn corner(settings: &Settings) -> Result<Corner> {
     if has("G61") || has("G61.1") {
         return Ok(Corner::Stop(format!("{}.", code.words())));
     }
-    let tolerance = words.iter().skip_while(|word| *word != "G64").find_map(|word| word.strip_prefix('P')?.parse::<f64>().ok());
+    let tolerance = words
+        .iter()
+        .skip_while(|word| *word != "G64")
+        .find_map(|word| word.strip_prefix('P')?.parse::<f64>().ok());
     match tolerance {
         Some(value) if value > 0.0 => {
             let taken = settings.within(Taken { value: value * unit, setting: code }, &DEVIATION)?;
@@ -172,8 +180,11 @@ fn left_out(text: &str, settings: &Settings) -> Vec<String> {
     if included > 0 {
         left_out.push(format!("{included} other files, which #INCLUDE names, are not read."));
     }
-    let kinematics = settings.find("KINS.KINEMATICS").filter(|kins| !kins.value.to_lowercase().starts_with("trivkins"));
-    left_out.extend(kinematics.map(|kins| format!("{}: limits of joints are no limits of axes there.", kins.words())));
+    let kinematics =
+        settings.find("KINS.KINEMATICS").filter(|kins| !kins.value.to_lowercase().starts_with("trivkins"));
+    left_out.extend(
+        kinematics.map(|kins| format!("{}: limits of joints are no limits of axes there.", kins.words())),
+    );
     left_out
 }
 
@@ -218,7 +229,10 @@ SCALE = 400 0
         assert_eq!((machine.feedrate_mm_per_s, machine.acceleration_mm_per_s2), (40.0, 800.0));
         assert_eq!((machine.jerk_mm_per_s3, machine.interpolation_period_ms), (32_000.0, 0.5));
         assert_eq!((machine.position_increment_mm, machine.junction), (0.005, Junction::DeviationMm(0.02)));
-        assert_eq!((machine.axes.y.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2), (Some(80.0), Some(300.0)));
+        assert_eq!(
+            (machine.axes.y.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2),
+            (Some(80.0), Some(300.0))
+        );
         expect_assumptions(&made, 1);
     }
 
@@ -226,15 +240,27 @@ SCALE = 400 0
     #[test]
     fn units_and_jerk_are_those_of_the_file() {
         let text = SMALL
-            .replace("LINEAR_UNITS = mm", "LINEAR_UNITS = 0.03937007874015748\nPLANNER_TYPE = 1\nMAX_LINEAR_JERK = 1000")
+            .replace(
+                "LINEAR_UNITS = mm",
+                "LINEAR_UNITS = 0.03937007874015748\nPLANNER_TYPE = 1\nMAX_LINEAR_JERK = 1000",
+            )
             .replace("AXIS_X", "AXIS_0")
             .replace("[RS274NGC]\nRS274NGC_STARTUP_CODE = G21 G40 G64 P0.02\n", "#INCLUDE more.inc\n")
             .replace("trivkins", "5axiskins");
         let (machine, made) = machine_of("mill.ini", &text);
         assert_eq!((machine.feedrate_mm_per_s, machine.jerk_mm_per_s3), (1016.0, 25_400.0));
         assert!((machine.axes.x.velocity_mm_per_s.unwrap() - 90.0 * 25.4).abs() < 1e-4);
-        assert!((machine.position_increment_mm - 25.4 / 200.0).abs() < 1e-8, "{}", machine.position_increment_mm);
+        assert!(
+            (machine.position_increment_mm - 25.4 / 200.0).abs() < 1e-8,
+            "{}",
+            machine.position_increment_mm
+        );
         expect_assumptions(&made, 1);
-        assert_eq!(made.text.lines().filter(|line| line.starts_with("# Not taken: ")).count(), 2, "{}", made.text);
+        assert_eq!(
+            made.text.lines().filter(|line| line.starts_with("# Not taken: ")).count(),
+            2,
+            "{}",
+            made.text
+        );
     }
 }

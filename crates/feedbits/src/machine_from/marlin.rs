@@ -6,9 +6,7 @@
 //! `#if` is not evaluated: of several definitions of a name the first holds, and that is said.
 
 use anyhow::{Result, bail};
-use domains::machine::{
-    ACCELERATION, AXIS_ACCELERATION, AXIS_VELOCITY, DEVIATION, FEEDRATE, VELOCITY_JUMP,
-};
+use domains::machine::{ACCELERATION, AXIS_ACCELERATION, AXIS_VELOCITY, DEVIATION, FEEDRATE, VELOCITY_JUMP};
 
 use super::draft::{Axis, Corner, Draft, Said, assumed_jerk, increment, lesser};
 use super::settings::{Setting, Settings, Taken};
@@ -22,7 +20,8 @@ const JUNCTION_DEVIATION: &str = "JUNCTION_DEVIATION_MM";
 pub(crate) fn is_marlin(text: &str) -> bool {
     text.lines().any(|line| {
         let mut words = line.split_whitespace();
-        words.next() == Some("#define") && words.next().is_some_and(|name| [FEEDRATES, ACCELERATIONS].contains(&name))
+        words.next() == Some("#define")
+            && words.next().is_some_and(|name| [FEEDRATES, ACCELERATIONS].contains(&name))
     })
 }
 
@@ -74,13 +73,20 @@ fn number(settings: &Settings, text: &str, depth: usize) -> Option<f64> {
 }
 
 /// The numbers of a list for X, Y and Z, times `factor`, in the domain of a key.
-fn of_axes<'s>(settings: &'s Settings, name: &str, key: Option<&domains::Key>) -> Result<[Option<Taken<'s>>; 3]> {
+fn of_axes<'s>(
+    settings: &'s Settings,
+    name: &str,
+    key: Option<&domains::Key>,
+) -> Result<[Option<Taken<'s>>; 3]> {
     let mut found = [None; 3];
     let Some(setting) = settings.find(name) else { return Ok(found) };
     let list = setting.value.trim_start_matches('{').trim_end_matches([';', ' ']).trim_end_matches('}');
     for (place, text) in found.iter_mut().zip(list.split(',')) {
         let Some(value) = number(settings, text, 0) else {
-            bail!("{}: expected numbers for X, Y and Z, or names that are defined in this file", settings.at(setting));
+            bail!(
+                "{}: expected numbers for X, Y and Z, or names that are defined in this file",
+                settings.at(setting)
+            );
         };
         let taken = Taken { value, setting };
         *place = Some(key.map_or(Ok(taken), |key| settings.within(taken, key))?);
@@ -134,7 +140,10 @@ fn corner<'s>(settings: &'s Settings, text: &str) -> Result<(Corner, [Option<Tak
     let deviation = defined(settings, JUNCTION_DEVIATION)?;
     if deviation.is_some() && !is_classic(settings, text) {
         let taken = deviation.map(|taken| settings.within(taken, &DEVIATION)).transpose()?;
-        return Ok((taken.map_or_else(assumed_corner, |taken| Corner::Deviation(Said::of(taken, ""))), [None; 3]));
+        return Ok((
+            taken.map_or_else(assumed_corner, |taken| Corner::Deviation(Said::of(taken, ""))),
+            [None; 3],
+        ));
     }
     let mut jumps = [None; 3];
     for (jump, name) in jumps.iter_mut().zip(JUMPS) {
@@ -145,7 +154,12 @@ fn corner<'s>(settings: &'s Settings, text: &str) -> Result<(Corner, [Option<Tak
     if jumps.iter().all(Option::is_none) {
         return Ok((assumed_corner(), jumps));
     }
-    Ok((Corner::Jump("CLASSIC_JERK: each axis may jump by DEFAULT_XJERK, DEFAULT_YJERK and DEFAULT_ZJERK.".into()), jumps))
+    Ok((
+        Corner::Jump(
+            "CLASSIC_JERK: each axis may jump by DEFAULT_XJERK, DEFAULT_YJERK and DEFAULT_ZJERK.".into(),
+        ),
+        jumps,
+    ))
 }
 
 fn assumed_corner() -> Corner {
@@ -212,7 +226,10 @@ pub(super) mod tests {
         assert_eq!((machine.feedrate_mm_per_s, machine.acceleration_mm_per_s2), (180.0, 1500.0));
         assert_eq!((machine.jerk_mm_per_s3, machine.position_increment_mm), (60_000.0, 0.0125));
         assert_eq!(machine.junction, Junction::DeviationMm(0.02));
-        assert_eq!((machine.axes.x.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2), (Some(200.0), Some(100.0)));
+        assert_eq!(
+            (machine.axes.x.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2),
+            (Some(200.0), Some(100.0))
+        );
         expect_assumptions(&made, 2);
     }
 
@@ -224,7 +241,10 @@ pub(super) mod tests {
         ] {
             let (machine, _) = machine_of("Configuration.h", &text);
             assert_eq!(machine.junction, Junction::VelocityJump);
-            assert_eq!((machine.axes.x.velocity_jump_mm_per_s, machine.axes.z.velocity_jump_mm_per_s), (Some(9.0), Some(0.3)));
+            assert_eq!(
+                (machine.axes.x.velocity_jump_mm_per_s, machine.axes.z.velocity_jump_mm_per_s),
+                (Some(9.0), Some(0.3))
+            );
         }
         let on = SMALL.replace("//#define CLASSIC_JERK", "#define JUNCTION_DEVIATION");
         assert_eq!(machine_of("Configuration.h", &on).0.junction, Junction::DeviationMm(0.02));

@@ -54,10 +54,12 @@ mod tests {
 
     #[test]
     fn comments_and_continued_lines_are_no_settings() {
-        let text = "# a\n[ one ]\nkey = 1 # mm\n; key = 2\nother=a;b\n  more = 3\n[two]\nkey: 4\nempty = # none\n";
+        let text =
+            "# a\n[ one ]\nkey = 1 # mm\n; key = 2\nother=a;b\n  more = 3\n[two]\nkey: 4\nempty = # none\n";
         let style = Style { separators: &['=', ':'], has_continued_lines: true };
         let found: Vec<_> = settings(text, &style).into_iter().map(|s| (s.line, s.name, s.value)).collect();
-        let expected = [(3, "one.key", "1"), (5, "one.other", "a;b"), (8, "two.key", "4"), (9, "two.empty", "")];
+        let expected =
+            [(3, "one.key", "1"), (5, "one.other", "a;b"), (8, "two.key", "4"), (9, "two.empty", "")];
         assert_eq!(found, expected.map(|(line, name, value)| (line, name.to_string(), value.to_string())));
         assert!(has_section(text, &["TWO"]) && !has_section(text, &["three"]));
     }

@@ -73,8 +73,9 @@ pub(crate) struct FewestOfSet {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Deciding {
     pub(crate) part: String,
-    /// What of its run in the format is nearest to being broken.
-    pub(crate) limited_by: Option<Limiting>,
+    /// The format with a fraction bit fewer, and what the part breaks first in it.
+    pub(crate) narrower: Option<String>,
+    pub(crate) breaks: Option<Limiting>,
     /// The fewest bits without the part; null if it is the only one.
     pub(crate) bits_without: Option<u32>,
 }
@@ -169,9 +170,8 @@ pub(crate) fn fewest<W: OfEachPart>(search: &Search<'_, W>, own: &OwnAnswers) ->
     }
     let found = search.fewest(&own.formats())?;
     let (name, store) = (|part: usize| search.files[part].name.clone(), search.store());
-    let run = |part: usize| -> Option<&GoodRun> {
-        store.known().tried(part, &found.format?.to_string()).flatten()
-    };
+    let run =
+        |part: usize| -> Option<&GoodRun> { store.known().tried(part, &found.format?.to_string()).flatten() };
     // The margin of a part whose own answer it is, or of its run in it.
     let margins = own.found.iter().filter_map(|(part, (format, margin))| {
         let margin = if Some(*format) == found.format { *margin } else { run(*part)?.margin };
@@ -194,7 +194,10 @@ pub(crate) fn fewest<W: OfEachPart>(search: &Search<'_, W>, own: &OwnAnswers) ->
         parts: own.found.len(),
         decides: found.decides.map(|part| Deciding {
             part: name(part),
-            limited_by: run(part).and_then(|run| run.limited_by.clone()),
+            narrower: found.narrower.map(|narrower| narrower.to_string()),
+            breaks: found
+                .narrower
+                .and_then(|narrower| store.known().broken(part, &narrower.to_string())?.cloned()),
             bits_without: found.without.map(FormatName::bits),
         }),
         needed_by: widest.map(needing).collect(),
@@ -280,7 +283,9 @@ impl PartLine {
     fn in_fewest(&mut self, name: &str, own: &OwnAnswer, tried: Option<&GoodRun>) {
         match (own, tried) {
             (_, Some(run)) => (self.margin, self.limited_by) = (run.margin, run.limited_by.clone()),
-            (OwnAnswer::Found { format, margin }, None) if format.to_string() == name => self.margin = *margin,
+            (OwnAnswer::Found { format, margin }, None) if format.to_string() == name => {
+                self.margin = *margin
+            }
             _ => {}
         }
     }

@@ -52,10 +52,16 @@ impl SetBaseline {
 
     /// Says which parts are new, changed and gone, and which figures are worse. A good ending is [`Ending::WorseThanBaseline`] if a figure is
     /// worse, or a part is gone that was run before.
-    pub(crate) fn judge(&self, answer: &Answer, now: &BTreeMap<String, &Value>, ending: Ending) -> Result<Ending> {
+    pub(crate) fn judge(
+        &self,
+        answer: &Answer,
+        now: &BTreeMap<String, &Value>,
+        ending: Ending,
+    ) -> Result<Ending> {
         let before = self.results();
         let (path, per_cent) = (self.path.display(), 100.0 * self.share);
-        let new: Vec<&str> = now.keys().map(String::as_str).filter(|name| !before.contains_key(name)).collect();
+        let new: Vec<&str> =
+            now.keys().map(String::as_str).filter(|name| !before.contains_key(name)).collect();
         let changed: Vec<&str> = before
             .iter()
             .filter(|(name, old)| now.get(**name).is_some_and(|new| !is_same_text(old, new)))
@@ -72,7 +78,9 @@ impl SetBaseline {
         for (name, old) in &before {
             let Some(new) = now.get(*name).filter(|new| is_same_text(old, new)) else { continue };
             compared += 1;
-            worse.extend(worse_figures(old, new, self.share).into_iter().map(|figure| format!("{name}: {figure}")));
+            worse.extend(
+                worse_figures(old, new, self.share).into_iter().map(|figure| format!("{name}: {figure}")),
+            );
         }
         if worse.is_empty() {
             let parts = output::counted(compared, "part is", "parts are");
@@ -98,6 +106,13 @@ fn say_names(kind: &str, how: &str, names: &[&str], path: &str) {
         return;
     }
     let shown: Vec<&str> = names.iter().take(MOST_LINES).copied().collect();
-    let more = if names.len() > MOST_LINES { format!(" and {} more", names.len() - MOST_LINES) } else { String::new() };
-    output::note(&format!("{kind} parts, which {how} {path} and are not compared: {}{more}", shown.join(", ")));
+    let more = if names.len() > MOST_LINES {
+        format!(" and {} more", names.len() - MOST_LINES)
+    } else {
+        String::new()
+    };
+    output::note(&format!(
+        "{kind} parts, which {how} {path} and are not compared: {}{more}",
+        shown.join(", ")
+    ));
 }

@@ -38,6 +38,28 @@ pub(crate) enum SetLine {
     Finished(Finished),
     /// A part that was tried in a format that is not its own answer.
     Tried(Tried),
+    /// What a part breaks in a format that is too narrow for it.
+    Broken(Broken),
+}
+
+impl SetLine {
+    /// The number of the part.
+    pub(crate) fn part(&self) -> usize {
+        match self {
+            Self::Finished(finished) => finished.part,
+            Self::Tried(tried) => tried.part,
+            Self::Broken(broken) => broken.part,
+        }
+    }
+
+    /// The same line of another part.
+    pub(crate) fn of_part(self, part: usize) -> Self {
+        match self {
+            Self::Finished(finished) => Self::Finished(Finished { part, ..finished }),
+            Self::Tried(tried) => Self::Tried(Tried { part, ..tried }),
+            Self::Broken(broken) => Self::Broken(Broken { part, ..broken }),
+        }
+    }
 }
 
 /// A part that is finished.
@@ -74,6 +96,18 @@ pub(crate) struct Tried {
     pub(crate) good: Option<GoodRun>,
 }
 
+/// What a part breaks in a format.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Broken {
+    /// The number of the part in the set, from 0.
+    pub(crate) part: usize,
+    /// The format.
+    pub(crate) format: String,
+    /// The first requirement that is broken; none if the path cannot be run at all.
+    pub(crate) by: Option<Limiting>,
+}
+
 /// What is told of a good run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -86,7 +120,7 @@ pub(crate) struct GoodRun {
     pub(crate) limited_by: Option<Limiting>,
 }
 
-/// The requirement of a run that is nearest to being broken.
+/// A requirement of a run: the one that is nearest to being broken, or that is broken.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limiting {
@@ -102,17 +136,38 @@ pub(crate) struct Limiting {
 /// The name of the requirement by which the margin of a run is told.
 const FLUCTUATION: &str = "feedrate fluctuation at cruise";
 
+/// The requirements that tell how finely a format computes. The others are taken up by the plan in every format: it runs at the limits.
+const OF_FORMAT: [&str; 5] = [
+    "step of the format in a period's way",
+    FLUCTUATION,
+    "position error",
+    "distance from the end of the path",
+    "step of the filament's position",
+];
+
 impl Limiting {
-    /// Of a run, as JSON has it, the requirement with the greatest share of its limit; of several, the first.
+    /// Of a good run, as JSON has it, the requirement on the format with the greatest share of its limit; of several, the first.
     pub(crate) fn of(run: &Value) -> Option<Self> {
         let requirements = run["requirements"].as_array()?.iter();
-        let used = requirements.filter_map(|one| {
-            let (found, limit) = (one["found"].as_f64()?, one["limit"].as_f64()?);
-            (limit > 0.0).then_some((one, found / limit))
-        });
-        let (one, used) = used.reduce(|worst, one| if one.1 > worst.1 { one } else { worst })?;
-        let line = one["at"]["line"].as_u64().and_then(|line| usize::try_from(line).ok());
-        Some(Self { what: one["what"].as_str()?.to_string(), used, line })
+        let of_format = requirements.filter(|one| OF_FORMAT.iter().any(|what| one["what"] == *what));
+        let used = of_format.filter_map(Self::one);
+        used.reduce(|worst, one| if one.used > worst.used { one } else { worst })
+    }
+
+    /// Of a run, as JSON has it, the first requirement that is broken.
+    pub(crate) fn broken_by(run: &Value) -> Option<Self> {
+        let holds = |one: &Value| {
+            one["found"].as_f64().zip(one["limit"].as_f64()).is_some_and(|(found, limit)| found <= limit)
+        };
+        run["requirements"].as_array()?.iter().find(|one| !holds(one)).and_then(Self::one)
+    }
+
+    /// A requirement, as JSON has it. One that is broken by no number, or has the limit 0, is used without end.
+    fn one(requirement: &Value) -> Option<Self> {
+        let (found, limit) = (requirement["found"].as_f64(), requirement["limit"].as_f64()?);
+        let used = found.filter(|_| limit > 0.0).map_or(f64::MAX, |found| found / limit);
+        let line = requirement["at"]["line"].as_u64().and_then(|line| usize::try_from(line).ok());
+        Some(Self { what: requirement["what"].as_str()?.to_string(), used, line })
     }
 }
 
@@ -138,7 +193,8 @@ impl Work for SetOfParts {
     const NAME: &'static str = "set of parts";
     const LINE: &'static str = "part";
     const OPTION: &'static str = "--resume";
-    const TOLD_BY: &'static str = "other parts or contents of them, another machine, list of formats, version or options";
+    const TOLD_BY: &'static str =
+        "other parts or contents of them, another machine, list of formats, version or options";
 
     fn expect_plausible(&self) -> Result<()> {
         if self.parts.is_empty() {
@@ -149,17 +205,12 @@ impl Work for SetOfParts {
 
     /// The part is one of the set, and what was run has a result.
     fn expect_of_it(&self, line: &SetLine) -> Result<()> {
-        let part = match line {
-            SetLine::Finished(Finished { part, ending }) => {
-                if let PartEnding::Result(json) = ending
-                    && !serde_json::from_str::<Value>(json).is_ok_and(|result| result["command"] == *self.set)
-                {
-                    bail!("part {part} has no result of `feedbits {}`", self.set);
-                }
-                *part
-            }
-            SetLine::Tried(tried) => tried.part,
-        };
+        let part = line.part();
+        if let SetLine::Finished(Finished { ending: PartEnding::Result(json), .. }) = line
+            && !serde_json::from_str::<Value>(json).is_ok_and(|result| result["command"] == *self.set)
+        {
+            bail!("part {part} has no result of `feedbits {}`", self.set);
+        }
         if part >= self.parts.len() {
             bail!("part {part} is none of the {} of line 1", self.parts.len());
         }
@@ -172,6 +223,7 @@ impl Work for SetOfParts {
 pub(crate) struct Known {
     finished: BTreeMap<usize, PartEnding>,
     tried: BTreeMap<(usize, String), Option<GoodRun>>,
+    broken: BTreeMap<(usize, String), Option<Limiting>>,
 }
 
 impl Known {
@@ -190,6 +242,12 @@ impl Known {
                 }
                 self.tried.insert((part, format), good);
             }
+            SetLine::Broken(Broken { part, format, by }) => {
+                if self.broken.get(&(part, format.clone())).is_some_and(|known| *known != by) {
+                    bail!("part {part} breaks two things in {format} that contradict each other");
+                }
+                self.broken.insert((part, format), by);
+            }
         }
         Ok(())
     }
@@ -204,31 +262,42 @@ impl Known {
         self.tried.get(&(part, format.to_string())).map(Option::as_ref)
     }
 
+    /// What a part breaks first in a format that is too narrow for it, if that is known.
+    pub(crate) fn broken(&self, part: usize, format: &str) -> Option<Option<&Limiting>> {
+        self.broken.get(&(part, format.to_string())).map(Option::as_ref)
+    }
+
+    /// Whether there is such a line, with whatever result.
+    pub(crate) fn has(&self, line: &SetLine) -> bool {
+        match line {
+            SetLine::Finished(finished) => self.ending(finished.part).is_some(),
+            SetLine::Tried(tried) => self.tried(tried.part, &tried.format).is_some(),
+            SetLine::Broken(broken) => self.broken(broken.part, &broken.format).is_some(),
+        }
+    }
+
     /// The parts that are finished.
     pub(crate) fn len(&self) -> usize {
         self.finished.len()
     }
 
-    /// Every line, in order: the finished parts, then what was tried.
-    pub(crate) fn lines(&self) -> impl Iterator<Item = SetLine> {
-        let finished = self.finished.iter().map(|(part, ending)| finished(*part, ending));
-        finished.chain(self.tried.iter().map(|((part, format), good)| tried(*part, format, good.as_ref())))
+    /// Every line, in order of the parts.
+    pub(crate) fn lines(&self, parts: usize) -> impl Iterator<Item = SetLine> {
+        (0..parts).flat_map(|part| self.lines_of(part))
     }
 
-    /// Every line about a part.
+    /// Every line about a part: its end, what it was tried in, and what it breaks.
     pub(crate) fn lines_of(&self, part: usize) -> impl Iterator<Item = SetLine> {
-        let finished = self.finished.get(&part).map(|ending| finished(part, ending));
-        let of_part = self.tried.range((part, String::new())..(part + 1, String::new()));
-        finished
-            .into_iter()
-            .chain(of_part.map(move |((_, format), good)| tried(part, format, good.as_ref())))
+        let of_part = (part, String::new())..(part + 1, String::new());
+        let finished = self.finished.get(&part).into_iter();
+        let finished =
+            finished.map(move |ending| SetLine::Finished(Finished { part, ending: ending.clone() }));
+        let tried = self.tried.range(of_part.clone()).map(move |((_, format), good)| {
+            SetLine::Tried(Tried { part, format: format.clone(), good: good.clone() })
+        });
+        let broken = self.broken.range(of_part).map(move |((_, format), by)| {
+            SetLine::Broken(Broken { part, format: format.clone(), by: by.clone() })
+        });
+        finished.chain(tried).chain(broken)
     }
-}
-
-fn finished(part: usize, ending: &PartEnding) -> SetLine {
-    SetLine::Finished(Finished { part, ending: ending.clone() })
-}
-
-fn tried(part: usize, format: &str, good: Option<&GoodRun>) -> SetLine {
-    SetLine::Tried(Tried { part, format: format.to_string(), good: good.cloned() })
 }

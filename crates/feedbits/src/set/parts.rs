@@ -144,7 +144,10 @@ impl Found {
         let text = files::text("the list", list, MOST_OF_SMALL)?;
         for line in text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#')) {
             if line.starts_with('@') {
-                bail!("{}: {line}: expected a part or a folder in each line, not another list", list.display());
+                bail!(
+                    "{}: {line}: expected a part or a folder in each line, not another list",
+                    list.display()
+                );
             }
             self.add(Path::new(line)).with_context(|| list.display().to_string())?;
         }
@@ -154,7 +157,9 @@ impl Found {
     /// Adds a file, or the parts of a folder.
     fn add(&mut self, path: &Path) -> Result<()> {
         if path == Path::new("-") {
-            bail!("-: the standard input is read as a single part: expected files and folders beside other parts");
+            bail!(
+                "-: the standard input is read as a single part: expected files and folders beside other parts"
+            );
         }
         if path.is_dir() { self.add_folder(path) } else { self.add_file(path) }
     }
@@ -165,7 +170,9 @@ impl Found {
             return Ok(());
         }
         if self.parts.len() == MOST_PARTS {
-            bail!("more than {MOST_PARTS} parts: expected fewer, as by several calls with a --resume file each");
+            bail!(
+                "more than {MOST_PARTS} parts: expected fewer, as by several calls with a --resume file each"
+            );
         }
         self.parts.push(PartFile { path: path.to_path_buf(), name: path.display().to_string() });
         Ok(())
@@ -193,8 +200,7 @@ impl Found {
     fn say_left_out(&self) {
         const SHOWN: usize = 5;
         let Some(count) = Some(self.left_out.len()).filter(|count| *count > 0) else { return };
-        let shown: Vec<_> =
-            self.left_out.iter().take(SHOWN).map(|path| path.display().to_string()).collect();
+        let shown: Vec<_> = self.left_out.iter().take(SHOWN).map(|path| path.display().to_string()).collect();
         let more = if count > SHOWN { format!(" and {} more", count - SHOWN) } else { String::new() };
         output::note(&format!(
             "{} of the folders left out, no parts by their endings: {}{more}; name a file to have it read",
@@ -210,7 +216,8 @@ fn is_part(path: &Path) -> bool {
     if ending != "toml" {
         return ENDINGS.contains(&ending.as_str());
     }
-    let is_curve = |line: &str| line.trim_start_matches(['[', ' ']).starts_with("curve") && line.starts_with('[');
+    let is_curve =
+        |line: &str| line.trim_start_matches(['[', ' ']).starts_with("curve") && line.starts_with('[');
     fs::metadata(path).is_ok_and(|found| found.is_file())
         && files::text("the part", path, files::MOST_OF_PART).is_ok_and(|text| text.lines().any(is_curve))
 }

@@ -13,7 +13,12 @@ use crate::set::registers::RegistersOfSet;
 const ON_THE_SCREEN: usize = 20;
 
 /// The answer, and its parts; at most twenty of them on the screen. `first_target` is the first of the targets on which a period is priced.
-pub(crate) fn screen(answer: &Answer, lines: &[PartLine], is_whole: bool, first_target: Option<&str>) -> String {
+pub(crate) fn screen(
+    answer: &Answer,
+    lines: &[PartLine],
+    is_whole: bool,
+    first_target: Option<&str>,
+) -> String {
     let mut text = screen::paragraph(&about(answer)) + &screen::answer(&said(answer, first_target));
     text += &not_run(lines);
     let mut ran: Vec<&PartLine> = lines.iter().filter(|line| is_run(line)).collect();
@@ -24,7 +29,11 @@ pub(crate) fn screen(answer: &Answer, lines: &[PartLine], is_whole: bool, first_
     }
     text += &table(&ran[..shown], &column(answer));
     if shown < ran.len() {
-        let _ = writeln!(text, "… and {}; --json and --out have them all.", counted(ran.len() - shown, "part", "parts"));
+        let _ = writeln!(
+            text,
+            "… and {}; --json and --out have them all.",
+            counted(ran.len() - shown, "part", "parts")
+        );
     }
     text += &costs(answer);
     answer.registers.iter().for_each(|registers| text += &of_registers(registers));
@@ -42,7 +51,8 @@ fn badness(line: &PartLine) -> (PartStatus, i64, f64) {
 
 /// The parts, and how they ended.
 fn about(answer: &Answer) -> String {
-    let time = answer.planned_time_s.map_or_else(String::new, |time| format!(", {} of motion", duration(time)));
+    let time =
+        answer.planned_time_s.map_or_else(String::new, |time| format!(", {} of motion", duration(time)));
     let mut left_out = Vec::new();
     for (count, what) in [
         (answer.parts_unread, "cannot be read"),
@@ -78,7 +88,9 @@ fn for_which(fewest: &FewestOfSet) -> String {
 fn fewest(fewest: &FewestOfSet) -> String {
     let mut text = match (&fewest.format, fewest.bits) {
         (Some(format), Some(bits)) => {
-            let margin = fewest.margin.map_or_else(String::new, |margin| format!(", {} better than asked", times(margin)));
+            let margin = fewest
+                .margin
+                .map_or_else(String::new, |margin| format!(", {} better than asked", times(margin)));
             format!("{bits} bits are enough for {}: {format}{margin}.", for_which(fewest))
         }
         _ if fewest.parts == 0 => "No format of up to 48 bits is enough for any part.".to_string(),
@@ -87,16 +99,21 @@ fn fewest(fewest: &FewestOfSet) -> String {
     text += &who_decides(fewest);
     let of_none = |(count, first): (usize, &crate::set::answer::NoneFor)| {
         let others = if count > 1 { format!(", and {} more", count - 1) } else { String::new() };
-        format!("\nNo format is enough for {}: {}{others}.", file_name(&first.part), first.why.trim_end_matches('.'))
+        format!(
+            "\nNo format is enough for {}: {}{others}.",
+            file_name(&first.part),
+            first.why.trim_end_matches('.')
+        )
     };
-    text += &fewest.none_for.first().map_or_else(String::new, |first| of_none((fewest.none_for.len(), first)));
+    text +=
+        &fewest.none_for.first().map_or_else(String::new, |first| of_none((fewest.none_for.len(), first)));
     text + "\n"
 }
 
 /// Which part decides, or which parts.
 fn who_decides(fewest: &FewestOfSet) -> String {
     if let Some(deciding) = &fewest.decides {
-        let place = deciding.limited_by.as_ref().and_then(|by| by.line);
+        let place = deciding.breaks.as_ref().and_then(|by| by.line);
         let place = place.map_or_else(String::new, |line| format!(", line {line},"));
         let without = deciding.bits_without.map_or_else(String::new, |bits| format!("; without it {bits}"));
         return format!(" {}{place} decides{without}.", file_name(&deciding.part));
@@ -104,8 +121,11 @@ fn who_decides(fewest: &FewestOfSet) -> String {
     let needing = &fewest.needed_by;
     match (needing.first(), fewest.bits) {
         (Some(first), Some(bits)) if first.bits < bits => {
-            let names: Vec<String> =
-                needing.iter().take(3).map(|one| format!("{} {}", file_name(&one.part), one.format)).collect();
+            let names: Vec<String> = needing
+                .iter()
+                .take(3)
+                .map(|one| format!("{} {}", file_name(&one.part), one.format))
+                .collect();
             format!(" No part alone needs so many: {}.", names.join(", "))
         }
         (Some(_), Some(_)) if needing.len() > 1 => {
@@ -148,16 +168,18 @@ fn of_formats(answer: &Answer, first_target: Option<&str>) -> String {
 }
 
 fn named(format: &FormatOfSet) -> String {
-    if format.engine == "pieces" { format.format.clone() } else { format!("{} ({})", format.format, format.engine) }
+    if format.engine == "pieces" {
+        format.format.clone()
+    } else {
+        format!("{} ({})", format.format, format.engine)
+    }
 }
 
 /// The parts that cannot be read or run, each with the first words of why.
 fn not_run(lines: &[PartLine]) -> String {
     const MOST: usize = 10;
-    let refused: Vec<_> = lines
-        .iter()
-        .filter(|line| matches!(line.status, PartStatus::Unread | PartStatus::Refused))
-        .collect();
+    let refused: Vec<_> =
+        lines.iter().filter(|line| matches!(line.status, PartStatus::Unread | PartStatus::Refused)).collect();
     if refused.is_empty() {
         return String::new();
     }
@@ -176,7 +198,8 @@ fn not_run(lines: &[PartLine]) -> String {
 fn first_words(why: &str) -> String {
     const MOST: usize = 160;
     let lines = why.lines().take_while(|line| !line.trim().is_empty());
-    let lines = lines.filter(|line| !line.trim_start_matches(|c: char| c.is_ascii_digit() || c == ' ').starts_with('|'));
+    let lines = lines
+        .filter(|line| !line.trim_start_matches(|c: char| c.is_ascii_digit() || c == ' ').starts_with('|'));
     let text = lines.map(str::trim).collect::<Vec<_>>().join(" ");
     let text = text.trim_start_matches("error: ");
     match text.char_indices().nth(MOST) {
@@ -218,7 +241,8 @@ fn limiting(by: &Limiting) -> String {
 
 /// The worst cost of each format on each target.
 fn costs(answer: &Answer) -> String {
-    let targets: Vec<&String> = answer.formats.first().map(|format| format.cycles.keys().collect()).unwrap_or_default();
+    let targets: Vec<&String> =
+        answer.formats.first().map(|format| format.cycles.keys().collect()).unwrap_or_default();
     let mut text = String::new();
     for target in targets {
         let row = |format: &FormatOfSet| match format.cycles.get(target)? {
@@ -229,7 +253,9 @@ fn costs(answer: &Answer) -> String {
                 cost.share_of_period.map_or_else(String::new, |share| format!("{:.2} %", share * 100.0)),
                 file_name(&cost.part),
             ]),
-            None => Some(vec![named(format), "unknown".to_string(), String::new(), String::new(), String::new()]),
+            None => {
+                Some(vec![named(format), "unknown".to_string(), String::new(), String::new(), String::new()])
+            }
         };
         let rows = answer.formats.iter().filter(|format| format.is_good_for_all()).filter_map(row).collect();
         let header = ["format", "dearest\nperiod", "µs", "of the\nperiod", "in"];

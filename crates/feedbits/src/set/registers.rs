@@ -114,15 +114,14 @@ mod tests {
     use super::*;
 
     fn result(registers: &[(&str, &str, f64)]) -> Value {
-        let signal = |(signal, format, bound): &(&str, &str, f64)| {
-            json!({"signal": signal, "group": "step", "meaning": "a step", "format": format, "bound": bound})
-        };
+        let signal = |(signal, format, bound): &(&str, &str, f64)| json!({"signal": signal, "group": "step", "meaning": "a step", "format": format, "bound": bound});
         json!({"mixed": {"signals": registers.iter().map(signal).collect::<Vec<_>>()}})
     }
 
     #[test]
     fn a_register_holds_what_every_part_needs() {
-        let (a, b) = (result(&[("x", "I3F20", 3.9)]), result(&[("x", "I5F18", 9.0), ("y", "I2F9-floor", 1.0)]));
+        let (a, b) =
+            (result(&[("x", "I3F20", 3.9)]), result(&[("x", "I5F18", 9.0), ("y", "I2F9-floor", 1.0)]));
         let none = json!({"mixed": null});
         let of_set = RegistersOfSet::of(&[("a.nc", &a), ("b.nc", &b), ("c.nc", &none)]).expect("registers");
         assert_eq!((of_set.bits, of_set.parts, of_set.without), (25 + 11, 2, vec!["c.nc".to_string()]));

@@ -11,15 +11,18 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, Result, bail};
 use feed_plan::in_parallel;
-use format_compare::{Dimension, Problem, Space, common_format, splits};
+use format_compare::{
+    Dimension, Engine, JudgedRun, Options, Problem, Space, Watch, common_format, runs_in, splits,
+};
 use part_program::Machine;
 use real::FormatName;
 use serde_json::Value;
 
+use crate::formats::selected;
 use crate::input::{AnyProblem, Reading, in_part, part_of, with_machine};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
-use crate::set::known::{Finished, GoodRun, PartEnding, SetLine, SetOfParts, Tried};
+use crate::set::known::{Broken, Finished, GoodRun, Limiting, PartEnding, SetLine, SetOfParts, Tried};
 use crate::set::parts::PartFile;
 use crate::set::store::Store;
 use crate::set::work::{OfEachPart, OwnAnswer, Worked};
@@ -47,8 +50,20 @@ pub(crate) struct Fewest {
     pub(crate) format: Option<FormatName>,
     /// The part that alone needs as many bits, if there is one such part.
     pub(crate) decides: Option<usize>,
+    /// The format with a fraction bit fewer, which is too narrow for that part.
+    pub(crate) narrower: Option<FormatName>,
     /// The fewest bits without that part; `None` if it is the only one.
     pub(crate) without: Option<FormatName>,
+}
+
+/// The format with a fraction bit fewer.
+fn one_bit_fewer(format: FormatName) -> Option<FormatName> {
+    match format {
+        FormatName::Fixed { integer_bits, fraction_bits, datapath } => {
+            Some(FormatName::Fixed { integer_bits, fraction_bits: fraction_bits.checked_sub(1)?, datapath })
+        }
+        _ => None,
+    }
 }
 
 impl<'a, W: OfEachPart> Search<'a, W> {
@@ -124,7 +139,8 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         };
         match widest.filter(|widest| *widest != own && !interrupt::is_set()) {
             Some(widest) => {
-                let tried = self.work.tried(problem, &plan, &runs, &[widest])?;
+                let options = self.work.options_for(problem)?;
+                let tried = runs_in(problem, &plan, &runs, &options, &[widest])?;
                 tried.iter().try_for_each(|run| self.add_tried(part, widest, run.as_ref()))
             }
             None => Ok(()),
@@ -136,12 +152,7 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         if interrupt::is_set() { Ok(()) } else { self.store().add(line) }
     }
 
-    fn add_tried(
-        &self,
-        part: usize,
-        format: FormatName,
-        run: Option<&format_compare::JudgedRun>,
-    ) -> Result<()> {
+    fn add_tried(&self, part: usize, format: FormatName, run: Option<&JudgedRun>) -> Result<()> {
         let good = run.map(GoodRun::of).transpose()?;
         self.add(SetLine::Tried(Tried { part, format: format.to_string(), good }))
     }
@@ -182,16 +193,20 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         let of_others = others.values().copied().max_by_key(|format| format.bits());
         let format = self.common(own, alone.and(of_others))?;
         let decides = alone.filter(|part| format.is_some_and(|format| format.bits() == own[part].bits()));
-        if let (Some(part), Some(format)) = (decides, format) {
-            // Where in the part it is decided.
-            self.expect_tried(part, format)?;
+        let narrower = format.and_then(one_bit_fewer);
+        if let (Some(part), Some(narrower)) = (decides, narrower) {
+            self.expect_broken(part, narrower)?;
         }
         let without = if decides.is_some() { self.common(&others, None)? } else { None };
-        Ok(Fewest { format, decides, without })
+        Ok(Fewest { format, decides, narrower, without })
     }
 
     /// The narrowest format that is good for these parts. Where a part is tried, it is tried in `also` too.
-    fn common(&self, own: &BTreeMap<usize, FormatName>, also: Option<FormatName>) -> Result<Option<FormatName>> {
+    fn common(
+        &self,
+        own: &BTreeMap<usize, FormatName>,
+        also: Option<FormatName>,
+    ) -> Result<Option<FormatName>> {
         let alone: Vec<_> = own.values().copied().collect();
         common_format(&alone, self.work.datapath(), |format| self.is_good_for_all(format, own, also))
     }
@@ -208,7 +223,8 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         if known.iter().any(|(_, good)| *good == Some(false)) || interrupt::is_set() {
             return Ok(false);
         }
-        let mut unknown: Vec<_> = known.iter().filter(|(_, good)| good.is_none()).map(|(part, _)| *part).collect();
+        let mut unknown: Vec<_> =
+            known.iter().filter(|(_, good)| good.is_none()).map(|(part, _)| *part).collect();
         unknown.sort_by_key(|part| Reverse(own[part].bits()));
         let progress = Progress::of("parts confirmed", own.len());
         progress.start_at(own.len() - unknown.len());
@@ -217,8 +233,7 @@ impl<'a, W: OfEachPart> Search<'a, W> {
             if is_bad.load(Ordering::Relaxed) || interrupt::is_set() {
                 return Ok(());
             }
-            let also =
-                also.filter(|also| *also != format && self.is_good(*part, own[part], *also).is_none());
+            let also = also.filter(|also| *also != format && self.is_good(*part, own[part], *also).is_none());
             let good = output::kept(|| self.try_part(*part, own[part], format, also)).0?;
             is_bad.fetch_or(!good, Ordering::Relaxed);
             progress.step();
@@ -238,10 +253,7 @@ impl<'a, W: OfEachPart> Search<'a, W> {
             FormatName::Fixed { integer_bits, .. } => integer_bits,
             _ => 0,
         };
-        let (this, of_own) = (
-            (format.bits(), integer_bits(format)),
-            (own.bits(), integer_bits(own)),
-        );
+        let (this, of_own) = ((format.bits(), integer_bits(format)), (own.bits(), integer_bits(own)));
         if this < of_own {
             return Some(false);
         }
@@ -268,12 +280,30 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         Ok(is_good)
     }
 
-    /// Sees to it that the run of a part in a format is known.
-    fn expect_tried(&self, part: usize, format: FormatName) -> Result<()> {
-        if self.store().known().tried(part, &format.to_string()).is_none() {
-            output::kept(|| self.try_in(part, &[format])).0?;
+    /// Sees to it that it is known what a part breaks in a format that is too narrow for it.
+    fn expect_broken(&self, part: usize, format: FormatName) -> Result<()> {
+        if interrupt::is_set() || self.store().known().broken(part, &format.to_string()).is_some() {
+            return Ok(());
         }
-        Ok(())
+        let by = output::kept(|| match self.problem(part)? {
+            Ok((AnyProblem::Planar(problem), _)) => self.broken_in(&problem, format),
+            Ok((AnyProblem::Spatial(problem), _)) => self.broken_in(&problem, format),
+            Err(_) => bail!("{}: it was run before, and cannot be run again", self.files[part].name),
+        });
+        self.add(SetLine::Broken(Broken { part, format: format.to_string(), by: by.0? }))
+    }
+
+    /// What the run of the whole path in a format breaks first.
+    fn broken_in<const D: usize>(&self, problem: &Problem<D>, format: FormatName) -> Result<Option<Limiting>>
+    where
+        Space: Dimension<D>,
+    {
+        let (formats, options) = (selected::<D>(&[format.to_string()])?, self.work.options_for(problem)?);
+        let options = Options { engine: Engine::Pieces, ..options };
+        let compared =
+            format_compare::compare_with(problem, &formats, &[Engine::Pieces], &options, &Watch::default())?;
+        let run = compared.comparison.formats.first().map(serde_json::to_value).transpose()?;
+        Ok(run.as_ref().and_then(Limiting::broken_by))
     }
 
     /// Tries a part in formats; which of them are good.
@@ -298,7 +328,7 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         Space: Dimension<D>,
     {
         let Some(plan) = self.work.plan(problem)? else { bail!("each format plans for itself") };
-        let runs = self.work.tried(problem, &plan, &[], formats)?;
+        let runs = runs_in(problem, &plan, &[], &self.work.options_for(problem)?, formats)?;
         for (format, run) in formats.iter().zip(&runs) {
             self.add_tried(part, *format, run.as_ref())?;
         }

@@ -10,7 +10,7 @@ use crate::fingerprint::fingerprint_of;
 use crate::output;
 use crate::places::{Folder, Place, write_file};
 use crate::resumed_file::{ResumedFile, line, read_line};
-use crate::set::known::{Finished, Known, PartEnding, SetLine, SetOfParts, Tried};
+use crate::set::known::{Known, PartEnding, PartOfSet, SetLine, SetOfParts};
 
 /// The results of a set.
 pub(crate) struct Store {
@@ -42,11 +42,7 @@ impl Store {
 
     /// Takes in a line that the folder has and the file may not have.
     fn take_in(&mut self, line: SetLine) -> Result<()> {
-        let is_known = match &line {
-            SetLine::Finished(Finished { part, .. }) => self.known.ending(*part).is_some(),
-            SetLine::Tried(Tried { part, format, .. }) => self.known.tried(*part, format).is_some(),
-        };
-        if !is_known {
+        if !self.known.has(&line) {
             self.file.as_mut().map_or(Ok(()), |file| file.add(&line))?;
         }
         self.known.add(line)
@@ -65,10 +61,7 @@ impl Store {
     /// Adds what was found out, in memory and where it is kept.
     pub(crate) fn add(&mut self, line: SetLine) -> Result<()> {
         self.file.as_mut().map_or(Ok(()), |file| file.add(&line))?;
-        let part = match &line {
-            SetLine::Finished(finished) => finished.part,
-            SetLine::Tried(tried) => tried.part,
-        };
+        let part = line.part();
         self.known.add(line)?;
         self.cache.as_ref().map_or(Ok(()), |cache| cache.write(part, &self.known))
     }
@@ -82,7 +75,7 @@ struct Cache {
 }
 
 /// The name of a part's file.
-fn key(set: &SetOfParts, part: &crate::set::known::PartOfSet) -> String {
+fn key(set: &SetOfParts, part: &PartOfSet) -> String {
     let text = format!("{} {} {} {}", set.set, set.fingerprint, part.fingerprint, part.name);
     format!("{}-{}.jsonl", fingerprint_of(&text), part.fingerprint)
 }
@@ -102,7 +95,7 @@ impl Cache {
             match source.read_until(b'\n', &mut bytes) {
                 Ok(0) => return lines,
                 Ok(_) => match read_line::<SetLine>(&bytes, "part", "a part of a set") {
-                    Ok(line) => lines.push(numbered(line, part)),
+                    Ok(line) => lines.push(line.of_part(part)),
                     Err(_) => break,
                 },
                 Err(_) => break,
@@ -117,19 +110,11 @@ impl Cache {
         if matches!(known.ending(part), Some(PartEnding::Unread(_)) | None) {
             return Ok(());
         }
-        let lines = known.lines_of(part).map(|of_part| line(&numbered(of_part, 0)));
+        let lines = known.lines_of(part).map(|of_part| line(&of_part.of_part(0)));
         let text = lines.collect::<Result<String>>()?;
         let path = self.path(part);
         write_file(&path, |file| {
             file.write_all(text.as_bytes()).with_context(|| format!("cannot write {}", path.display()))
         })
-    }
-}
-
-/// A line about this part: its number is that in the set.
-fn numbered(line: SetLine, part: usize) -> SetLine {
-    match line {
-        SetLine::Finished(finished) => SetLine::Finished(Finished { part, ..finished }),
-        SetLine::Tried(tried) => SetLine::Tried(Tried { part, ..tried }),
     }
 }

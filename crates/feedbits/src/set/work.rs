@@ -1,7 +1,7 @@
 //! What a command does with each part of a set.
 
 use anyhow::Result;
-use format_compare::{Dimension, ExactPlan, JudgedRun, Problem, Space};
+use format_compare::{Dimension, ExactPlan, JudgedRun, Options, Problem, Space};
 use real::{Datapath, FormatName};
 use serde_json::Value;
 
@@ -26,6 +26,9 @@ pub(crate) trait OfEachPart: Sync {
     /// How the fixed-point formats compute in which the fewest bits are searched.
     fn datapath(&self) -> Datapath;
 
+    /// The options of a run of a part.
+    fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options>;
+
     /// Does the work for a part.
     fn work<const D: usize>(&self, problem: &Problem<D>, part_checksum: u32) -> Result<Worked>
     where
@@ -33,17 +36,6 @@ pub(crate) trait OfEachPart: Sync {
 
     /// Makes the plan of the runs again.
     fn plan<const D: usize>(&self, problem: &Problem<D>) -> Result<Option<ExactPlan>>
-    where
-        Space: Dimension<D>;
-
-    /// Runs a part in formats, which are fixed-point formats; `None` for those that are not good.
-    fn tried<const D: usize>(
-        &self,
-        problem: &Problem<D>,
-        plan: &ExactPlan,
-        runs: &[JudgedRun],
-        formats: &[FormatName],
-    ) -> Result<Vec<Option<JudgedRun>>>
     where
         Space: Dimension<D>;
 

@@ -23,7 +23,8 @@ use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, Tried, WIDTHS, search_optio
 /// Every format of this width that a search tries, the one with the most fraction bits first.
 #[must_use]
 pub fn splits(width: u32, datapath: Datapath) -> Vec<FormatName> {
-    let split = |integer_bits| FormatName::Fixed { integer_bits, fraction_bits: width - integer_bits, datapath };
+    let split =
+        |integer_bits| FormatName::Fixed { integer_bits, fraction_bits: width - integer_bits, datapath };
     (FEWEST_INTEGER_BITS..=width).map(split).collect()
 }
 
