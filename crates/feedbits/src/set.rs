@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Result, bail};
 use feed_plan::in_parallel;
+use real::FormatName;
 use serde::Serialize;
 use serde_json::Value;
 use target_cost::Target;
@@ -131,6 +132,13 @@ impl Found {
             results.iter().map(|(part, result)| (search.files[*part].name.as_str(), result)).collect();
         answer.formats = FormatOfSet::all(&named);
         answer.registers = RegistersOfSet::of(&named);
+        let uniform =
+            answer.fewest_bits.as_ref().and_then(|fewest| FormatName::named(fewest.format.as_ref()?));
+        if let Some((registers, uniform)) = answer.registers.take().zip(uniform) {
+            let has_registers = |(_, result): &(&usize, &Value)| result["mixed"].is_object();
+            let parts: Vec<usize> = results.iter().filter(has_registers).map(|(part, _)| *part).collect();
+            answer.registers = Some(search.confirmed(registers, &parts, uniform)?);
+        }
         let recommended = match targets.first() {
             Some(first) => cheapest(&answer.formats, &first.name),
             None => answer.formats.iter().find(|format| format.is_good_for_all()),

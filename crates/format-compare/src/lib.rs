@@ -149,4 +149,4 @@ pub use run::stream::{StreamFailure, StreamRequest};
 pub use run::vectors::{VectorColumn, VectorTable, Vectors, VectorsAbout};
 pub use size::common_format::{common_format, runs_in, splits};
 pub use size::fewest_bits::{FewestBits, fewest_bits};
-pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, size};
+pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, run_in_registers, size};

@@ -287,8 +287,16 @@ fn of_registers(registers: &RegistersOfSet) -> String {
             format!(" {}{more} has none.", file_name(first))
         }
     };
+    let added = match registers.added_bits {
+        0 => String::new(),
+        bits => format!(
+            ", and {} wider, since together they are not enough else",
+            counted(usize::try_from(bits).unwrap_or_default(), "bit", "bits")
+        ),
+    };
+    let confirmed = if registers.is_confirmed { "" } else { " No run of all parts with them is good." };
     let said = format!(
-        "With a register for each signal {} bits in all: each is as wide as the part needs that needs most.{without}",
+        "With a register for each signal {} bits in all: each is as wide as the part needs that needs most{added}.{confirmed}{without}",
         registers.bits
     );
     format!("\n{}{table}", screen::paragraph(&said))

@@ -15,6 +15,10 @@ pub(crate) struct RegistersOfSet {
     pub(crate) bits: u32,
     /// Number of parts of which each has a register for each signal.
     pub(crate) parts: usize,
+    /// Fraction bits that all registers have beside those that a part needs, so that the runs of all parts are good.
+    pub(crate) added_bits: u32,
+    /// Whether a run of each of these parts with these registers is good.
+    pub(crate) is_confirmed: bool,
     /// The parts that have none, since no format is enough for them, or registers are not.
     pub(crate) without: Vec<String>,
 }
@@ -57,7 +61,33 @@ impl RegistersOfSet {
         }
         let parts = results.len() - without.len();
         let bits = signals.iter().map(|signal| signal.bits).sum();
-        (parts > 0).then_some(Self { signals, bits, parts, without })
+        (parts > 0).then_some(Self { signals, bits, parts, added_bits: 0, is_confirmed: false, without })
+    }
+}
+
+impl RegistersOfSet {
+    /// The fraction bits of each signal.
+    pub(crate) fn fraction_bits(&self) -> BTreeMap<String, u32> {
+        let bits = |signal: &RegisterOfSet| match FormatName::named(&signal.format)? {
+            FormatName::Fixed { fraction_bits, .. } => Some((signal.signal.clone(), fraction_bits)),
+            _ => None,
+        };
+        self.signals.iter().filter_map(bits).collect()
+    }
+
+    /// The same registers with a fraction bit more in each.
+    pub(crate) fn with_a_bit_more(mut self) -> Self {
+        for signal in &mut self.signals {
+            if let Some(FormatName::Fixed { integer_bits, fraction_bits, datapath }) =
+                FormatName::named(&signal.format)
+            {
+                let wider = FormatName::Fixed { integer_bits, fraction_bits: fraction_bits + 1, datapath };
+                (signal.format, signal.bits) = (wider.to_string(), wider.bits());
+            }
+        }
+        self.bits = self.signals.iter().map(|signal| signal.bits).sum();
+        self.added_bits += 1;
+        self
     }
 }
 
@@ -124,11 +154,13 @@ mod tests {
             (result(&[("x", "I3F20", 3.9)]), result(&[("x", "I5F18", 9.0), ("y", "I2F9-floor", 1.0)]));
         let none = json!({"mixed": null});
         let of_set = RegistersOfSet::of(&[("a.nc", &a), ("b.nc", &b), ("c.nc", &none)]).expect("registers");
-        assert_eq!((of_set.bits, of_set.parts, of_set.without), (25 + 11, 2, vec!["c.nc".to_string()]));
+        assert_eq!((of_set.bits, of_set.parts, &of_set.without[..]), (25 + 11, 2, &["c.nc".to_string()][..]));
         let [x, y] = &of_set.signals[..] else { panic!("{:?}", of_set.signals) };
         assert_eq!((x.format.as_str(), x.bits, x.bound), ("I5F20", 25, 9.0));
         assert_eq!((x.integer_bits_for.as_str(), x.fraction_bits_for.as_str()), ("b.nc", "a.nc"));
         assert_eq!((y.format.as_str(), y.integer_bits_for.as_str()), ("I2F9-floor", "b.nc"));
+        let wider = of_set.clone().with_a_bit_more();
+        assert_eq!((wider.bits, wider.added_bits, wider.fraction_bits()["x"]), (38, 1, 21));
         assert!(RegistersOfSet::of(&[("c.nc", &none)]).is_none());
     }
 }

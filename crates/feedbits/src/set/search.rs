@@ -18,12 +18,14 @@ use part_program::Machine;
 use real::FormatName;
 use serde_json::Value;
 
+use crate::fingerprint::fingerprint_of;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Reading, in_part, part_of, with_machine};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::set::known::{Broken, Finished, GoodRun, Limiting, PartEnding, SetLine, SetOfParts, Tried};
 use crate::set::parts::PartFile;
+use crate::set::registers::RegistersOfSet;
 use crate::set::store::Store;
 use crate::set::work::{OfEachPart, OwnAnswer, Worked};
 use crate::{interrupt, output};
@@ -278,6 +280,62 @@ impl<'a, W: OfEachPart> Search<'a, W> {
             self.try_in(part, &unknown)?;
         }
         Ok(is_good)
+    }
+
+    /// Registers that are good for each of these parts: those, or with some fraction bits more in each. `uniform` is the answer in one
+    /// format. That the union of registers is good is shown by a run of each part.
+    pub(crate) fn confirmed(
+        &self,
+        mut registers: RegistersOfSet,
+        parts: &[usize],
+        uniform: FormatName,
+    ) -> Result<RegistersOfSet> {
+        const MOST_ADDED: u32 = 4;
+        while !interrupt::is_set() && registers.added_bits <= MOST_ADDED {
+            let progress = Progress::of("parts with these registers", parts.len());
+            let good = in_parallel(parts, |part| {
+                progress.step();
+                self.is_good_in(*part, &registers, uniform)
+            });
+            if good.into_iter().collect::<Result<Vec<bool>>>()?.into_iter().all(|good| good) {
+                registers.is_confirmed = true;
+                break;
+            }
+            registers = registers.with_a_bit_more();
+        }
+        Ok(registers)
+    }
+
+    /// Whether the run of a part with these registers is good.
+    fn is_good_in(&self, part: usize, registers: &RegistersOfSet, uniform: FormatName) -> Result<bool> {
+        let bits = registers.fraction_bits();
+        let name = format!("registers {}", fingerprint_of(&format!("{uniform} {bits:?}")));
+        if let Some(good) = self.store().known().tried(part, &name) {
+            return Ok(good.is_some());
+        }
+        let run = output::kept(|| match self.problem(part)? {
+            Ok((AnyProblem::Planar(problem), _)) => self.run_in_registers(&problem, uniform, &bits),
+            Ok((AnyProblem::Spatial(problem), _)) => self.run_in_registers(&problem, uniform, &bits),
+            Err(_) => bail!("{}: it was run before, and cannot be run again", self.files[part].name),
+        });
+        let good = run.0?.as_ref().map(GoodRun::of).transpose()?;
+        let is_good = good.is_some();
+        self.add(SetLine::Tried(Tried { part, format: name, good }))?;
+        Ok(is_good)
+    }
+
+    fn run_in_registers<const D: usize>(
+        &self,
+        problem: &Problem<D>,
+        uniform: FormatName,
+        bits: &BTreeMap<String, u32>,
+    ) -> Result<Option<JudgedRun>>
+    where
+        Space: Dimension<D>,
+    {
+        let Some(plan) = self.work.plan(problem)? else { bail!("each format plans for itself") };
+        let options = self.work.options_for(problem)?;
+        Ok(format_compare::run_in_registers(problem, &plan, &options, uniform, bits)?)
     }
 
     /// Sees to it that it is known what a part breaks in a format that is too narrow for it.
