@@ -86,13 +86,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 
 /// Compares on each part of a set, and prints what is good for all of them.
 fn run_set(parts: &Parts, arguments: &Arguments) -> Result<Ending> {
-    if arguments.report.is_some() {
-        bail!("--report: a report is of one part: expected one part, or no --report");
-    }
     if arguments.wide {
         bail!("--wide: the figures of each format are those of one part: expected one part, or --json");
     }
-    let targets = arguments.targets.read()?;
+    let (folder, targets) = (report::folder(arguments.report.as_deref())?, arguments.targets.read()?);
     let work = CompareEach {
         arguments,
         formats: selected::<3>(&arguments.formats)?.iter().map(|format| format.name().to_string()).collect(),
@@ -102,6 +99,7 @@ fn run_set(parts: &Parts, arguments: &Arguments) -> Result<Ending> {
     };
     let outputs = Outputs {
         out: arguments.output.place()?,
+        folder,
         json: arguments.output.json,
         targets: &targets,
         baseline: SetBaseline::read(&arguments.baseline, CompareEach::COMMAND)?,

@@ -23,9 +23,9 @@ use target_cost::Target;
 
 use crate::ending::Ending;
 use crate::fingerprint::fingerprint_of;
-use crate::places::Place;
+use crate::places::{Folder, Place};
 use crate::run_arguments::RunArguments;
-use crate::{interrupt, output};
+use crate::{interrupt, output, report};
 use answer::{Answer, OwnAnswers, PartLine};
 use baseline::SetBaseline;
 use formats::{FormatOfSet, cheapest};
@@ -43,6 +43,8 @@ const SCHEMA: u64 = 1;
 pub(crate) struct Outputs<'a> {
     /// Its place.
     pub(crate) out: Place,
+    /// The folder of its report, if there is to be one.
+    pub(crate) folder: Option<Folder>,
     /// Whether it is JSON.
     pub(crate) json: bool,
     /// The targets that a period is priced on.
@@ -101,7 +103,16 @@ pub(crate) fn run<W: OfEachPart>(
     let ending = found.ending(parts.skips_refused());
     let by_name = found.by_name(&files);
     outputs.baseline.as_ref().map_or(Ok(()), |baseline| baseline.expect_machine(&by_name))?;
+    // The report comes first: if it cannot be written, nothing is printed beside the error.
+    let page = outputs.folder.as_ref().map(|folder| {
+        let page = print::page(&found.answer, &found.lines, first_target(outputs));
+        report::into(folder, &page.report(&report::command())?)
+    });
+    let page = page.transpose()?;
     output::write(&outputs.out, &text(&search, &found, outputs)?)?;
+    if let Some(page) = page {
+        output::note(&format!("report in {}", page.display()));
+    }
     outputs.baseline.as_ref().map_or(Ok(ending), |baseline| baseline.judge(&found.answer, &by_name, ending))
 }
 
@@ -221,8 +232,12 @@ fn text<W: OfEachPart>(search: &Search<'_, W>, found: &Found, outputs: &Outputs<
     if outputs.json {
         return json(search, found);
     }
-    let first_target = outputs.targets.first().map(|target| target.name.as_str());
-    Ok(print::screen(answer, lines, outputs.out.path().is_some(), first_target))
+    Ok(print::screen(answer, lines, outputs.out.path().is_some(), first_target(outputs)))
+}
+
+/// The name of the target by which a format is recommended.
+fn first_target<'o>(outputs: &'o Outputs<'_>) -> Option<&'o str> {
+    outputs.targets.first().map(|target| target.name.as_str())
 }
 
 /// The first members of a set's JSON.

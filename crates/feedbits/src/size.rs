@@ -106,6 +106,7 @@ fn run_set(parts: &Parts, arguments: &Arguments) -> Result<Ending> {
     let work = SizeEach { arguments, targets: &targets };
     let outputs = Outputs {
         out: arguments.output.place()?,
+        folder: None,
         json: arguments.output.json,
         targets: &targets,
         baseline: SetBaseline::read(&arguments.baseline, SizeEach::COMMAND)?,

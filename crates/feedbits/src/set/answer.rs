@@ -135,6 +135,19 @@ pub(crate) enum PartStatus {
     Unfinished,
 }
 
+impl PartStatus {
+    /// As JSON has it.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Unread => "unread",
+            Self::Refused => "refused",
+            Self::Bad => "bad",
+            Self::Good => "good",
+            Self::Unfinished => "unfinished",
+        }
+    }
+}
+
 /// What the parts that were run say of the fewest bits.
 pub(crate) struct OwnAnswers {
     pub(crate) found: BTreeMap<usize, (FormatName, Option<f64>)>,

@@ -1,6 +1,10 @@
 //! The first screen of a set: the answer, and a line a part, the worst first.
 
+use std::cmp::Ordering;
 use std::fmt::Write;
+
+use foreign_text::in_a_line;
+use format_report::{PartOfSet, SetPage};
 
 use crate::output::counted;
 use crate::screen::{self, duration, file_name, list, times, times_short};
@@ -21,8 +25,7 @@ pub(crate) fn screen(
 ) -> String {
     let mut text = screen::paragraph(&about(answer)) + &screen::answer(&said(answer, first_target));
     text += &not_run(lines);
-    let mut ran: Vec<&PartLine> = lines.iter().filter(|line| is_run(line)).collect();
-    ran.sort_by(|one, other| badness(one).partial_cmp(&badness(other)).unwrap_or(std::cmp::Ordering::Equal));
+    let ran: Vec<&PartLine> = worst_first(lines).into_iter().filter(|line| is_run(line)).collect();
     let shown = if is_whole { ran.len() } else { ran.len().min(ON_THE_SCREEN) };
     if !ran.is_empty() {
         text += "\n";
@@ -38,6 +41,31 @@ pub(crate) fn screen(
     text += &costs(answer);
     answer.registers.iter().for_each(|registers| text += &of_registers(registers));
     text
+}
+
+/// The page of a set.
+pub(crate) fn page(answer: &Answer, lines: &[PartLine], first_target: Option<&str>) -> SetPage {
+    let part = |line: &PartLine| PartOfSet {
+        name: in_a_line(&line.name),
+        status: line.status.word().to_string(),
+        planned_time_s: line.planned_time_s,
+        bits: line.bits,
+        format: line.format.clone(),
+        margin: line.margin,
+        remark: in_a_line(&remark(line)),
+    };
+    SetPage {
+        about: about(answer),
+        answer: said(answer, first_target).lines().map(in_a_line).collect(),
+        bits: answer.fewest_bits.as_ref().and_then(|fewest| fewest.bits),
+        parts: worst_first(lines).into_iter().map(part).collect(),
+    }
+}
+
+fn worst_first(lines: &[PartLine]) -> Vec<&PartLine> {
+    let mut sorted: Vec<&PartLine> = lines.iter().collect();
+    sorted.sort_by(|one, other| badness(one).partial_cmp(&badness(other)).unwrap_or(Ordering::Equal));
+    sorted
 }
 
 fn is_run(line: &PartLine) -> bool {
@@ -217,20 +245,24 @@ fn column(answer: &Answer) -> String {
 
 fn table(lines: &[&PartLine], margin: &str) -> String {
     let row = |line: &&PartLine| {
-        let limited = match (&line.limited_by, &line.why) {
-            (Some(by), _) => limiting(by),
-            (None, Some(why)) => first_words(why),
-            (None, None) => String::new(),
-        };
         vec![
             file_name(&line.name),
             line.planned_time_s.map_or_else(String::new, duration),
             line.bits.map_or_else(|| "none".to_string(), |bits| bits.to_string()),
             line.margin.map_or_else(String::new, times_short),
-            limited,
+            remark(line),
         ]
     };
     screen::table(&["part", "time", "bits", margin, "limited by"], lines.iter().map(row).collect())
+}
+
+/// What limits a part and where, or why it is not good or not run.
+fn remark(line: &PartLine) -> String {
+    match (&line.limited_by, &line.why) {
+        (Some(by), _) => limiting(by),
+        (None, Some(why)) => first_words(why),
+        (None, None) => String::new(),
+    }
 }
 
 /// What limits a run, and where.

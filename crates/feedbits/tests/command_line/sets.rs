@@ -451,6 +451,21 @@ fn registers_of_a_set_hold_what_every_part_needs() {
     }
 }
 
+/// The page of a set has its answer, the map, the curve, and a row for each part.
+#[test]
+fn a_set_has_a_page() {
+    let folder = letters(3);
+    write(folder.path(), "rapid.nc", "G21 G0 X0 Y0\nX10 Y5\n");
+    let output = compare(folder.path(), &["--report", "page"]);
+    assert_eq!(output.status.code(), Some(4), "{}", unfolded(&output.stderr));
+    let files = names(&folder.path().join("page"));
+    assert_eq!(files, ["index.html", "map.svg", "parts.csv", "parts.json", "shares.svg"]);
+    let page = fs::read_to_string(folder.path().join("page/index.html")).expect("a page");
+    assert!(page.contains("bits are enough for all 3 parts") && page.contains("rapid.nc"), "{page}");
+    let table = fs::read_to_string(folder.path().join("page/parts.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 5, "{table}");
+}
+
 /// Costs on targets are the worst over the parts, and decide what is recommended.
 #[test]
 fn costs_of_a_set_are_the_worst_of_its_parts() {
@@ -477,8 +492,7 @@ fn what_a_set_cannot_have_is_refused() {
     fs::write(folder.path().join("circle"), "@circle\n").expect("a list");
     fs::create_dir(folder.path().join("nothing")).expect("a folder");
     for (words, expected) in [
-        (&["compare", "parts", "--machine", "m.toml", "--report", "r"][..], "--report"),
-        (&["compare", "parts", "--machine", "m.toml", "--wide"], "--wide"),
+        (&["compare", "parts", "--machine", "m.toml", "--wide"][..], "--wide"),
         (&["size", "parts", "--machine", "m.toml", "--types", "c"], "--types"),
         (&["compare", "parts", "-", "--machine", "m.toml"], "standard input"),
         (&["compare", "@none", "--machine", "m.toml"], "cannot read none"),
@@ -504,4 +518,67 @@ fn what_a_set_cannot_have_is_refused() {
         "f64",
     ];
     assert_eq!(json(folder.path(), &words, 0)["answer"]["parts"], 2);
+}
+
+/// The keys of a value, but for those of the parts' results, which are those of single calls, and of names in their place.
+fn keys(value: &Value, found: &mut BTreeSet<String>) {
+    const OF_NAMES: [&str; 3] = ["result", "cycles", "recommended_on"];
+    match value {
+        Value::Object(members) => {
+            for (key, value) in members {
+                found.insert(key.clone());
+                if !OF_NAMES.contains(&key.as_str()) {
+                    keys(value, found);
+                }
+            }
+        }
+        Value::Array(values) => values.iter().for_each(|value| keys(value, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn the_page_on_json_has_every_key_of_a_set() {
+    let folder = letters(2);
+    write(folder.path(), "rapid.nc", "G21 G0 X0 Y0\nX10 Y5\n");
+    let page = include_str!("../../../../docs/json.md");
+    let mut found = BTreeSet::new();
+    let compared = [&["compare", "parts"], &FORMATS[..], &["--targets", "cortex-m4f"]].concat();
+    keys(&json(folder.path(), &compared, 4), &mut found);
+    keys(&json(folder.path(), &["size", "parts", "--machine", "m.toml"], 4), &mut found);
+    assert!(found.contains("registers") && found.contains("formats"), "{found:?}");
+    let missing: Vec<_> = found.iter().filter(|key| !page.contains(&format!("`{key}`"))).collect();
+    assert!(missing.is_empty(), "docs/json.md does not have {missing:?}");
+}
+
+/// A set that is killed while it works goes on, and ends with the bytes of a call that was not.
+#[cfg(unix)]
+#[test]
+fn a_set_that_is_killed_while_it_works_ends_the_same() {
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+
+    let folder = letters(8);
+    let words = [&["compare", "parts"], &FORMATS[..], &["--json", "--resume", "s.jsonl"]].concat();
+    let straight = compare(folder.path(), &["--json"]).stdout;
+    let path = folder.path().join("s.jsonl");
+    let lines = || fs::read_to_string(&path).map_or(0, |text| text.lines().count());
+    for wanted in [2, 5] {
+        let mut child = crate::command::command(&words)
+            .current_dir(folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the program starts");
+        let begun = Instant::now();
+        while lines() < wanted && begun.elapsed() < Duration::from_secs(60) {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        // SIGKILL, which no program sees; it may have ended before.
+        let _ = child.kill();
+        child.wait().expect("an end");
+    }
+    assert!(lines() >= 5);
+    let resumed = feedbits_in(folder.path(), &words);
+    assert_eq!(text(&resumed.stdout), text(&straight), "{}", unfolded(&resumed.stderr));
 }
