@@ -179,15 +179,15 @@ fn the_answer_of_a_set_is_that_of_brute_force() {
     expect_brute_force(folder.path());
 }
 
-/// Curves, a circle, and slow and fast lines.
+/// Splines, a circle, and slow and fast lines.
 #[test]
 fn the_answer_of_a_set_of_curves_is_that_of_brute_force() {
     let folder = folder();
-    for name in ["seed-000.toml", "trigonometric.toml"] {
-        fs::copy(data(name), folder.path().join("parts").join(name)).expect("a part");
-    }
-    write(folder.path(), "circle.nc", "G21 G90 G17 G0 X10 Y0\nG3 X10 Y0 I-10 J0 F1800\n");
-    write(folder.path(), "slow.nc", "G21 G90 G0 X0 Y0\nG1 X3 Y1 F20\nG1 X5 Y1.5\n");
+    let name = "trigonometric.toml";
+    fs::copy(data(name), folder.path().join("parts").join(name)).expect("a part");
+    write(folder.path(), "curve.nc", "G21 G90 G0 X0 Y0\nG5 X12 Y3 I3 J6 P-3 Q4 F1500\n");
+    write(folder.path(), "circle.nc", "G21 G90 G17 G0 X4 Y0\nG3 X4 Y0 I-4 J0 F1800\n");
+    write(folder.path(), "slow.nc", "G21 G90 G0 X0 Y0\nG1 X1 Y0.3 F60\nG1 X2 Y0.5\n");
     write(folder.path(), "fast.nc", "G21 G90 G0 X0 Y0\nG1 X300 Y170 F12000\n");
     write(folder.path(), "small.nc", "G21 G90 G17 G0 X0 Y0\nG2 X0.5 Y0.5 R0.5 F600\nG3 X1 Y1 R0.5\n");
     expect_brute_force(folder.path());
