@@ -22,6 +22,12 @@ use crate::{files, output};
 /// The version of the JSON of `compare` and `size`. It grows when a key goes or changes its meaning.
 const SCHEMA: u64 = 1;
 
+/// The end of a command's name in the JSON of a set of parts.
+const OF_SET: &str = "-set";
+
+/// The largest result of an earlier set, which has that of each of its parts.
+const MOST_OF_SET: usize = 1 << 30;
+
 /// What a limit is divided by: a figure below this share of its limit counts as this share of it.
 const NEGLIGIBLE: f64 = 1e-3;
 
@@ -78,29 +84,40 @@ impl BaselineArguments {
 
     /// The baseline that is asked for, if it is one of `command` for this part.
     pub(crate) fn read(&self, command: &str, part: &Text) -> Result<Option<Baseline>> {
+        let Some((path, result)) = self.result_of(command)? else { return Ok(None) };
+        expect_part(part, &result, &path)?;
+        Ok(Some(Baseline { path, result, share: self.share() }))
+    }
+
+    /// The result of the baseline that is asked for, if it is one of `command`, with its path.
+    pub(crate) fn result_of(&self, command: &str) -> Result<Option<(PathBuf, Value)>> {
         let Some(path) = &self.baseline else { return Ok(None) };
-        let text = files::text("--baseline", path, files::MOST_OF_RESULT)?;
+        let most = if command.ends_with(OF_SET) { MOST_OF_SET } else { files::MOST_OF_RESULT };
+        let text = files::text("--baseline", path, most)?;
         let result: Value = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
         expect_result_of(command, &result, path)?;
-        expect_part(part, &result, path)?;
-        Ok(Some(Baseline { path: path.clone(), result, share: self.worse_by / 100.0 }))
+        Ok(Some((path.clone(), result)))
+    }
+
+    /// By how much a figure may grow, as a share.
+    pub(crate) fn share(&self) -> f64 {
+        self.worse_by / 100.0
     }
 }
 
 fn expect_result_of(command: &str, result: &Value, path: &Path) -> Result<()> {
     let path = path.display();
-    let Some(schema) = result["schema"].as_u64() else {
-        bail!("{path}: no \"schema\": expected what `feedbits {command} --json` prints");
+    let expected = match command.strip_suffix(OF_SET) {
+        Some(command) => format!("expected what `feedbits {command} --json` prints of several parts"),
+        None => format!("expected what `feedbits {command} --json` prints"),
     };
+    let Some(schema) = result["schema"].as_u64() else { bail!("{path}: no \"schema\": {expected}") };
     if schema != SCHEMA {
         bail!("{path}: \"schema\" is {schema}, and this feedbits has {SCHEMA}: make the baseline again");
     }
     match result["command"].as_str() {
         Some(found) if found == command => Ok(()),
-        found => bail!(
-            "{path}: \"command\" is \"{}\": expected what `feedbits {command} --json` prints",
-            found.unwrap_or_default()
-        ),
+        found => bail!("{path}: \"command\" is \"{}\": {expected}", found.unwrap_or_default()),
     }
 }
 
@@ -153,20 +170,12 @@ impl Figure {
 impl Baseline {
     /// Says which figures of `result` are worse than those of the baseline. A good ending is [`Ending::WorseThanBaseline`] if one is.
     pub(crate) fn judge<T: Serialize>(&self, result: &T, ending: Ending) -> Result<Ending> {
-        let (before, now) = (figures(&self.result), figures(&serde_json::to_value(result)?));
-        let compared = |(name, old): (&String, &Figure)| match now.get(name) {
-            None => Some(format!("{name} was {}, and is missing", old.shown(name))),
-            Some(new) if new.is_worse_than(*old, self.share) => {
-                Some(format!("{name} was {}, and is {}", old.shown(name), new.shown(name)))
-            }
-            Some(_) => None,
-        };
-        let worse: Vec<String> = before.iter().filter_map(compared).collect();
+        let worse = worse_figures(&self.result, &serde_json::to_value(result)?, self.share);
         let (path, per_cent) = (self.path.display(), 100.0 * self.share);
         if worse.is_empty() {
             output::note(&format!(
                 "{} are at most {per_cent} % worse than in {path}",
-                output::counted(before.len(), "figure", "figures")
+                output::counted(figures(&self.result).len(), "figure", "figures")
             ));
             return Ok(ending);
         }
@@ -179,12 +188,8 @@ impl Baseline {
     pub(crate) fn expect_machine(&self, machine: &Machine) -> Result<()> {
         let path = self.path.display();
         let (old, new) = (&self.result["machine"], serde_json::to_value(machine)?);
-        let keys = [old, &new].into_iter().filter_map(Value::as_object).flat_map(|values| values.keys());
-        for key in keys {
-            let [old, new] = [old, &new].map(|values| &values[key]);
-            if old != new {
-                bail!("{path} was made with {key} = {old} in the machine file, and this run with {new}");
-            }
+        if let Some((key, [old, new])) = differing_key(old, &new) {
+            bail!("{path} was made with {key} = {old} in the machine file, and this run with {new}");
         }
         Ok(())
     }
@@ -209,6 +214,26 @@ impl Baseline {
         }
         Ok(())
     }
+}
+
+/// The first key that two tables do not have alike, with both values.
+pub(crate) fn differing_key<'v>(old: &'v Value, new: &'v Value) -> Option<(&'v String, [&'v Value; 2])> {
+    let keys = [old, new].into_iter().filter_map(Value::as_object).flat_map(|values| values.keys());
+    let mut both = keys.map(|key| (key, [&old[key], &new[key]]));
+    both.find(|(_, [old, new])| old != new)
+}
+
+/// The figures of a result that are worse by more than this share than those of an earlier one, each in words.
+pub(crate) fn worse_figures(before: &Value, now: &Value, share: f64) -> Vec<String> {
+    let (before, now) = (figures(before), figures(now));
+    let compared = |(name, old): (&String, &Figure)| match now.get(name) {
+        None => Some(format!("{name} was {}, and is missing", old.shown(name))),
+        Some(new) if new.is_worse_than(*old, share) => {
+            Some(format!("{name} was {}, and is {}", old.shown(name), new.shown(name)))
+        }
+        Some(_) => None,
+    };
+    before.iter().filter_map(compared).collect()
 }
 
 /// The figures of a result, by their names.

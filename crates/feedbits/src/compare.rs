@@ -2,14 +2,16 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use foreign_text::in_a_line;
 use format_compare::{
-    Compared, Comparison, Dimension, Engine, JudgedRun, Machine, Options, Problem, Space, Watch,
+    Compared, Comparison, Dimension, Engine, ExactPlan, JudgedRun, Machine, Options, Problem, Space, Watch,
 };
+use real::{Datapath, FormatName};
+use serde_json::Value;
 use target_cost::Target;
 
 use crate::baseline::{self, Baseline, BaselineArguments};
@@ -19,6 +21,10 @@ use crate::input::{AnyProblem, Input, in_part};
 use crate::places::{Folder, Place};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
+use crate::set::baseline::SetBaseline;
+use crate::set::parts::{Given, Parts};
+use crate::set::work::{OfEachPart, OwnAnswer, Worked};
+use crate::set::{self, Outputs};
 use crate::targets::TargetArguments;
 use crate::{answer, candidates, interrupt, output, period_costs, report};
 
@@ -26,7 +32,7 @@ use crate::{answer, candidates, interrupt, output, period_costs, report};
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
-    input: Input,
+    parts: Parts,
     #[command(flatten)]
     run: RunArguments,
     /// The formats to compare, comma-separated. Default: all; see `feedbits formats`. Names in Q notation are
@@ -53,6 +59,12 @@ impl Arguments {
         let asked = self.run.engines()?;
         Ok(if self.run.names_engine() { asked } else { vec![Engine::Pieces] })
     }
+
+    /// The forms of the path that are run: all that the options name where each figure is shown.
+    fn engines(&self) -> Result<Vec<Engine>> {
+        let shows_all = self.wide || self.output.json || self.report.is_some() || self.baseline.is_given();
+        if shows_all { self.run.engines() } else { self.shown() }
+    }
 }
 
 /// What a comparison has beside its problem.
@@ -66,8 +78,106 @@ struct Beside {
 
 /// Compares and prints. Writes the report if the options name a folder for it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    match arguments.parts.given() {
+        Given::One(input) => run_one(&input, arguments),
+        Given::Set(parts) => run_set(parts, arguments),
+    }
+}
+
+/// Compares on each part of a set, and prints what is good for all of them.
+fn run_set(parts: &Parts, arguments: &Arguments) -> Result<Ending> {
+    if arguments.wide {
+        bail!("--wide: the figures of each format are those of one part: expected one part, or --json");
+    }
+    let (folder, targets) = (report::folder(arguments.report.as_deref())?, arguments.targets.read()?);
+    let work = CompareEach {
+        arguments,
+        formats: selected::<3>(&arguments.formats)?.iter().map(|format| format.name().to_string()).collect(),
+        engines: arguments.engines()?,
+        wants_fewest_bits: arguments.shown()?.contains(&Engine::Pieces),
+        targets: &targets,
+    };
+    let outputs = Outputs {
+        out: arguments.output.place()?,
+        folder,
+        json: arguments.output.json,
+        targets: &targets,
+        baseline: SetBaseline::read(&arguments.baseline, CompareEach::COMMAND)?,
+    };
+    set::run(&work, parts, &arguments.run, &outputs)
+}
+
+/// The comparison on each part of a set.
+struct CompareEach<'a> {
+    arguments: &'a Arguments,
+    /// The names of the formats.
+    formats: Vec<String>,
+    engines: Vec<Engine>,
+    wants_fewest_bits: bool,
+    targets: &'a [Target],
+}
+
+impl OfEachPart for CompareEach<'_> {
+    const COMMAND: &'static str = "compare";
+
+    fn options(&self) -> Result<String> {
+        let (options, engines) = (self.arguments.run.options()?, &self.engines);
+        Ok(format!("{options:?} {:?} {engines:?} {:?}", self.formats, self.arguments.run.fluctuation()))
+    }
+
+    fn datapath(&self) -> Datapath {
+        Datapath::default()
+    }
+
+    fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
+        Ok(Options { interrupt: Some(interrupt::flag()), ..self.arguments.run.options_for(problem)? })
+    }
+
+    fn work<const D: usize>(&self, problem: &Problem<D>, part_checksum: u32) -> Result<Worked>
+    where
+        Space: Dimension<D>,
+    {
+        let (formats, options) = (selected::<D>(&self.formats)?, self.options_for(problem)?);
+        let mut compared =
+            format_compare::compare_with(problem, &formats, &self.engines, &options, &Watch::default())?;
+        if !interrupt::is_set() {
+            add_answers(problem, &mut compared, self.targets, self.wants_fewest_bits, &options)?;
+        }
+        let json = baseline::json(Self::COMMAND, part_checksum, &compared.comparison)?;
+        Ok(Worked { json, plan: compared.plan, runs: compared.comparison.formats })
+    }
+
+    fn plan<const D: usize>(&self, problem: &Problem<D>) -> Result<Option<ExactPlan>>
+    where
+        Space: Dimension<D>,
+    {
+        let formats = selected::<D>(&self.formats)?;
+        Ok(format_compare::common_plan(problem, &formats, &self.options_for(problem)?)?)
+    }
+
+    fn own_answer(&self, result: &Value) -> OwnAnswer {
+        let found = &result["fewest_bits"];
+        let up_to = || format!("{} bits are not enough", found["up_to_bits"]);
+        match found["result"].as_str() {
+            Some("found") => {
+                let format = found["format"].as_str().and_then(FormatName::named);
+                let margin = found["margin"].as_f64();
+                format.map_or(OwnAnswer::NotSearched, |format| OwnAnswer::Found { format, margin })
+            }
+            Some("broken_by_plan") => {
+                let broken = found["broken"].as_array().into_iter().flatten().filter_map(Value::as_str);
+                OwnAnswer::None(format!("f64 has {}, too", broken.collect::<Vec<_>>().join("; ")))
+            }
+            Some(_) => OwnAnswer::None(up_to()),
+            None => OwnAnswer::NotSearched,
+        }
+    }
+}
+
+/// Compares on one part and prints.
+fn run_one(input: &Input, arguments: &Arguments) -> Result<Ending> {
     let (folder, out) = (report::folder(arguments.report.as_deref())?, arguments.output.place()?);
-    let text = arguments.input.text()?;
+    let text = input.text()?;
     let beside = Beside {
         part_checksum: text.checksum(),
         folder,
@@ -75,7 +185,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         baseline: arguments.baseline.read("compare", &text)?,
         targets: arguments.targets.read()?,
     };
-    match arguments.run.problem_of(&arguments.input, &text)? {
+    match arguments.run.problem_of(input, &text)? {
         AnyProblem::Planar(problem) => in_part(&problem, compare(&problem, &beside, arguments)),
         AnyProblem::Spatial(problem) => in_part(&problem, compare(&problem, &beside, arguments)),
     }
@@ -89,11 +199,7 @@ where
     let formats = selected(&arguments.formats)?;
     let (shown, options) = (arguments.shown()?, arguments.run.options_for(problem)?);
     let interruptible = Options { interrupt: Some(interrupt::flag()), ..options.clone() };
-    let shows_all = arguments.wide
-        || arguments.output.json
-        || arguments.report.is_some()
-        || arguments.baseline.is_given();
-    let engines = if shows_all { arguments.run.engines()? } else { shown.clone() };
+    let engines = arguments.engines()?;
     if let Some(baseline) = baseline {
         let feedrate_mm_per_s = problem.feedrate_mm_per_s();
         baseline.expect_machine(&Machine { feedrate_mm_per_s, ..problem.machine.clone() })?;

@@ -13,6 +13,8 @@ pub(crate) enum Ending {
     Refused,
     /// Every stated requirement is met, and a figure is worse than the baseline's.
     WorseThanBaseline,
+    /// Every stated requirement is met, and parts of a set cannot be read or run.
+    PartsRefused,
     /// Ctrl-C has ended the work; what was finished is printed.
     Interrupted,
 }
@@ -25,6 +27,7 @@ impl Ending {
             Self::RequirementNotMet => 1,
             Self::Refused => 2,
             Self::WorseThanBaseline => 3,
+            Self::PartsRefused => 4,
             Self::Interrupted => interrupt::STATUS,
         }
     }

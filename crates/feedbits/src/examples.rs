@@ -5,7 +5,8 @@ pub(crate) const COMPARE: &str = "Examples:
   feedbits compare part.nc --machine mill.toml
   feedbits compare --formats I8F24,I4F28,f32 --report report
   feedbits compare part.dxf --machine mill.toml --targets cortex-m4f,dsp48
-  feedbits compare --json --out comparison.json";
+  feedbits compare --json --out comparison.json
+  feedbits compare programs --machine router --cache results --json --out set.json";
 pub(crate) const INTERPOLATE: &str = "Examples:
   feedbits interpolate part.nc --machine mill.toml --format I4F28 --out setpoints.csv
   feedbits interpolate --format f64 --solver taylor-2";
@@ -17,7 +18,8 @@ pub(crate) const PLAN: &str = "Examples:
   feedbits plan --profile s-curve --out plan.csv";
 pub(crate) const SIZE: &str = "Examples:
   feedbits size part.nc --machine mill.toml
-  feedbits size --fluctuation 1e-5 --json";
+  feedbits size --fluctuation 1e-5 --json
+  feedbits size a.nc b.nc --machine mill.toml";
 pub(crate) const SWEEP: &str = "Examples:
   feedbits sweep part.nc --machine mill.toml --period 0.25..4 --feed 10..500 --scale 1..10000
   feedbits sweep --period 0.5..4/4 --feed 50..400/4 --formats I8F24,f32 --evaluate pieces --report maps
@@ -50,7 +52,8 @@ pub(crate) const CONVERT: &str = "Examples:
   feedbits convert part.nc --fit 0.01 --out curves.nc";
 pub(crate) const MACHINE: &str = "Examples:
   feedbits machine
-  feedbits machine router --out my-machine.toml";
+  feedbits machine router --out my-machine.toml
+  feedbits machine --from grbl-settings.txt --out my-machine.toml";
 pub(crate) const FORMATS: &str = "Examples:
   feedbits formats --json";
 pub(crate) const ZOO: &str = "Examples:

@@ -13,6 +13,7 @@ use part_program::{
 use secant_interp::crc32;
 
 use crate::files::{MOST_OF_PART, bytes, taken};
+use crate::fingerprint::fingerprint;
 use crate::{candidates, claims, files, output, presets};
 
 /// The example that runs when no part is named: paper A's curve and machine.
@@ -24,6 +25,13 @@ pub(crate) struct Input {
     /// Part: a curve file (TOML), a part program, what LinuxCNC's rs274 prints of one, a drawing (DXF) or geomdl's JSON, told by its
     /// content; a program of at most 512 MiB, any other of at most 64 MiB. `-` is the standard input. Default: the built-in example.
     part: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// The machine, and how a part is read.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct Reading {
     /// Machine: a preset's name, as `feedbits machine` lists them, or a file (TOML with a table `machine`). A file that is named as a
     /// preset is given with its folder, as ./mill. Default: the machine in the part's own file.
     #[arg(long, value_name = "NAME|FILE", add = ArgValueCompleter::new(candidates::machines))]
@@ -96,18 +104,28 @@ impl Text {
     /// A checksum of what the text says: of its bytes, with lines that end alike on every system, and of the options by which it
     /// is read.
     pub(crate) fn checksum(&self) -> u32 {
+        crc32(&self.said().collect::<Vec<_>>())
+    }
+
+    /// A number of 64 bits that almost certainly differs for texts that do not say the same.
+    pub(crate) fn fingerprint(&self) -> String {
+        fingerprint(self.said())
+    }
+
+    /// The bytes of the text, with lines that end alike on every system, and the options by which it is read.
+    fn said(&self) -> impl Iterator<Item = u8> {
         let ReadOptions { dialect, lenient, start_mm, unit } = self.options;
         let mut options = format!("{:?} {lenient} {start_mm:?} {unit:?}", dialect.map(Dialect::name));
         for (tool, diameter) in self.tools.tools() {
             options += &format!(" {tool} {diameter:?}");
         }
         let text = self.bytes.iter().copied().filter(|byte| *byte != b'\r');
-        crc32(&text.chain(options.bytes()).collect::<Vec<_>>())
+        text.chain(options.into_bytes())
     }
 }
 
 /// The part of a text, whose warnings are printed.
-fn part_of(text: &Text) -> Result<Part> {
+pub(crate) fn part_of(text: &Text) -> Result<Part> {
     let part = text.parsed()?;
     say_warnings(&part);
     Ok(part)
@@ -121,7 +139,57 @@ pub(crate) fn in_part<T, const D: usize>(problem: &Problem<D>, result: Result<T>
     })
 }
 
+/// A part and the machine that is to run it, which is `machine` or stands in the part's own file.
+pub(crate) fn with_machine(mut part: Part, machine: Option<Machine>) -> Result<(Part, Machine)> {
+    if is_all_rapid(&part) {
+        bail!("{}: every move is a rapid one, and nothing is cut: expected a move at feed", part.name);
+    }
+    match machine.or_else(|| part.machine.clone()) {
+        Some(machine) => {
+            if !machine.s_stops {
+                part.pass_spindle_words();
+            }
+            Ok((part, machine))
+        }
+        None => bail!(
+            "{} names no machine: give its limits with --machine FILE.toml, or take a preset such as --machine router; \
+             `feedbits machine` lists them",
+            part.name
+        ),
+    }
+}
+
+impl Reading {
+    /// The options of the part's reader.
+    fn options(&self) -> ReadOptions {
+        ReadOptions { dialect: self.dialect, lenient: self.lenient, start_mm: self.start, unit: self.units }
+    }
+
+    /// The machine that the options name, if they name one.
+    pub(crate) fn machine(&self) -> Result<Option<Machine>> {
+        self.machine.as_deref().map(presets::read).transpose()
+    }
+
+    /// The text of the part in a file.
+    pub(crate) fn text_of(&self, path: &Path) -> Result<Text> {
+        let (name, bytes) = (path.display().to_string(), bytes("the part", path, MOST_OF_PART)?);
+        Ok(Text { name, bytes, options: self.options(), tools: self.tool_table()? })
+    }
+
+    /// The tool table that the options name, or an empty one.
+    fn tool_table(&self) -> Result<ToolTable> {
+        let Some(path) = &self.tools else { return Ok(ToolTable::default()) };
+        let text = files::text("--tools", path, files::MOST_OF_SMALL)?;
+        Ok(ToolTable::read(&path.display().to_string(), &text, self.units.unwrap_or(Unit::Millimetre))?)
+    }
+}
+
 impl Input {
+    /// The part of a command that takes several, of which one is given, or none.
+    pub(crate) fn new(part: Option<&Path>, reading: &Reading) -> Self {
+        Self { part: part.map(Path::to_path_buf), reading: reading.clone() }
+    }
+
     /// Reads both files as a problem to plan and run. Notes say what the run leaves out.
     pub(crate) fn read(&self) -> Result<AnyProblem> {
         let (part, machine) = self.part_and_machine()?;
@@ -135,23 +203,10 @@ impl Input {
 
     /// As [`part_and_machine`](Self::part_and_machine), of a text that is at hand.
     pub(crate) fn part_and_machine_of(&self, text: &Text) -> Result<(Part, Machine)> {
-        let mut part = part_of(text)?;
-        if is_all_rapid(&part) {
-            bail!("{}: every move is a rapid one, and nothing is cut: expected a move at feed", part.name);
-        }
-        match self.machine_of(&part)? {
-            Some(machine) => {
-                if !machine.s_stops {
-                    part.pass_spindle_words();
-                }
-                Ok((part, machine))
-            }
-            None => bail!(
-                "{} names no machine: give its limits with --machine FILE.toml, or take a preset such as --machine router; \
-                 `feedbits machine` lists them",
-                part.name
-            ),
-        }
+        let part = part_of(text)?;
+        // A part of rapid moves is refused before a machine is asked for.
+        let machine = if is_all_rapid(&part) { None } else { self.reading.machine()? };
+        with_machine(part, machine)
     }
 
     /// Reads the part and prints its warnings.
@@ -161,42 +216,27 @@ impl Input {
 
     /// The control for which a program is written: the one that the options name for the part.
     pub(crate) fn dialect(&self) -> Option<Dialect> {
-        self.dialect.map(Dialect::written)
+        self.reading.dialect.map(Dialect::written)
     }
 
     /// The part's text.
     pub(crate) fn text(&self) -> Result<Text> {
-        let options = ReadOptions {
-            dialect: self.dialect,
-            lenient: self.lenient,
-            start_mm: self.start,
-            unit: self.units,
-        };
+        let options = self.reading.options();
         let (name, bytes) = match &self.part {
             Some(path) if path == Path::new("-") => {
                 let name = "standard input";
                 claims::read_standard_input()?;
                 (name.to_string(), taken(name, std::io::stdin().lock(), MOST_OF_PART)?)
             }
-            Some(path) => (path.display().to_string(), bytes("the part", path, MOST_OF_PART)?),
+            Some(path) => return self.reading.text_of(path),
             None => ("built-in example".to_string(), EXAMPLE.into()),
         };
-        Ok(Text { name, bytes, options, tools: self.tool_table()? })
-    }
-
-    /// The tool table that the options name, or an empty one.
-    fn tool_table(&self) -> Result<ToolTable> {
-        let Some(path) = &self.tools else { return Ok(ToolTable::default()) };
-        let text = files::text("--tools", path, files::MOST_OF_SMALL)?;
-        Ok(ToolTable::read(&path.display().to_string(), &text, self.units.unwrap_or(Unit::Millimetre))?)
+        Ok(Text { name, bytes, options, tools: self.reading.tool_table()? })
     }
 
     /// The machine that the options name, or that the part's file contains.
     pub(crate) fn machine_of(&self, part: &Part) -> Result<Option<Machine>> {
-        match &self.machine {
-            Some(path) => presets::read(path).map(Some),
-            None => Ok(part.machine.clone()),
-        }
+        Ok(self.reading.machine()?.or_else(|| part.machine.clone()))
     }
 }
 

@@ -1,6 +1,7 @@
 //! `feedbits machine`: named machines, to try a part on and to start a machine file from.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::Args;
@@ -10,6 +11,7 @@ use part_program::Machine;
 use serde::Serialize;
 
 use crate::ending::Ending;
+use crate::machine_from::machine_from;
 use crate::presets::{PRESETS, expected, named};
 use crate::{candidates, output};
 
@@ -21,8 +23,12 @@ pub(crate) struct Arguments {
     preset: Option<String>,
     /// Print every key of every file, every word and every option that takes a number, with its unit, its domain and its default, as
     /// tables in Markdown.
-    #[arg(long, conflicts_with_all = ["preset", "json"])]
+    #[arg(long, conflicts_with_all = ["preset", "json", "from"])]
     keys: bool,
+    /// Make a machine file from the settings of a control, told by their content: what Grbl and grblHAL print at $$, LinuxCNC's INI
+    /// file, Klipper's printer.cfg, FluidNC's config.yaml or Marlin's Configuration.h. What is assumed is said, and stands in comments.
+    #[arg(long, value_name = "FILE", conflicts_with = "preset")]
+    from: Option<PathBuf>,
     #[command(flatten)]
     output: output::Output,
 }
@@ -40,6 +46,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let place = arguments.output.place()?;
     let json = arguments.output.json;
     let text = match &arguments.preset {
+        _ if arguments.from.is_some() => from_settings(arguments)?,
         None if arguments.keys => tables(),
         Some(name) => {
             let Some(preset) = named(name) else { bail!("unknown preset {name:?}: {}", expected(name)) };
@@ -56,6 +63,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     };
     output::write(&place, &text)?;
     Ok(Ending::Good)
+}
+
+/// The machine file that settings make; each assumption is said.
+fn from_settings(arguments: &Arguments) -> Result<String> {
+    let Some(path) = &arguments.from else { return Ok(String::new()) };
+    let made = machine_from(path)?;
+    made.said.iter().for_each(|line| output::note(line));
+    if !arguments.output.json {
+        return Ok(made.text);
+    }
+    let machine = part_program::read_machine(&path.display().to_string(), &made.text)?;
+    Ok(serde_json::to_string_pretty(&machine)? + "\n")
 }
 
 /// The tables of all keys, each below its title.

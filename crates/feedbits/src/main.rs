@@ -13,6 +13,7 @@ mod convert;
 mod ending;
 mod examples;
 mod files;
+mod fingerprint;
 mod formats;
 #[cfg(test)]
 mod frozen;
@@ -21,6 +22,7 @@ mod interpolate;
 mod interrupt;
 mod judge;
 mod machine;
+mod machine_from;
 mod merge;
 mod numbers;
 mod output;
@@ -31,9 +33,12 @@ mod plan;
 mod presets;
 mod progress;
 mod report;
+mod resumed_file;
 mod run_arguments;
 mod screen;
 mod servo;
+mod set;
+mod shard;
 mod size;
 mod smooth;
 mod sweep;
@@ -56,7 +61,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
     version,
     about,
     after_help = "Exit status: 0 good; 1 a stated requirement is not met, or `check` found something suspicious; 2 bad input or \
-                  usage; 3 worse than the baseline; 130 ended by Ctrl-C."
+                  usage; 3 worse than the baseline; 4 parts of a set cannot be read or run; 130 ended by Ctrl-C."
 )]
 struct Arguments {
     /// Print nothing but results, warnings and errors: no progress, no notes.
@@ -86,7 +91,7 @@ enum Command {
     /// Compare over interpolation periods, feeds and part sizes: where does a format stay good?
     #[command(after_help = examples::SWEEP)]
     Sweep(sweep::Arguments),
-    /// Join the files of a sweep's shards.
+    /// Join the files of shards, of a sweep or of a set of parts.
     #[command(after_help = examples::MERGE)]
     Merge(merge::Arguments),
     /// Simulate the axis servo loops: following and contour error per format, circle test, tuning table.

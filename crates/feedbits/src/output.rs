@@ -1,5 +1,6 @@
 //! Results, and messages beside them.
 
+use std::cell::RefCell;
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -49,6 +50,23 @@ pub(crate) fn is_quiet() -> bool {
 /// Notes and warnings about the input, until the work begins; `None` from then on.
 static HELD: Mutex<Option<Vec<String>>> = Mutex::new(Some(Vec::new()));
 
+thread_local! {
+    /// What [`kept`] keeps on this thread; `None` while nothing is kept.
+    static KEPT: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
+}
+
+/// The result of `work`, and the notes and warnings that it would have printed on this thread.
+pub(crate) fn kept<T>(work: impl FnOnce() -> T) -> (T, Vec<String>) {
+    KEPT.set(Some(Vec::new()));
+    let result = work();
+    (result, KEPT.take().unwrap_or_default())
+}
+
+/// Whether notes and warnings of this thread are kept.
+pub(crate) fn is_kept() -> bool {
+    KEPT.with_borrow(Option::is_some)
+}
+
 /// Prints a note beside the result, as [`warn()`] does.
 pub(crate) fn note(text: &str) {
     if !is_quiet() {
@@ -59,6 +77,10 @@ pub(crate) fn note(text: &str) {
 /// Prints a warning about the input; before the work has begun, once it begins. So a command that is refused says why it
 /// is refused, and nothing else.
 pub(crate) fn warn(text: &str) {
+    let is_kept = KEPT.with_borrow_mut(|kept| kept.as_mut().map(|kept| kept.push(text.to_string())));
+    if is_kept.is_some() {
+        return;
+    }
     let mut held = HELD.lock().unwrap_or_else(PoisonError::into_inner);
     match held.as_mut() {
         Some(held) => held.push(text.to_string()),

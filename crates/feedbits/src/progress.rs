@@ -29,7 +29,8 @@ impl Progress {
 
     fn shown(bar: ProgressBar) -> Self {
         output::begin_work();
-        if output::is_quiet() {
+        // The work of a part of a set counts as one step of the set's own bar.
+        if output::is_quiet() || output::is_kept() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         } else if bar.is_hidden() {
             let bar = bar.clone();

@@ -165,8 +165,18 @@ impl RunArguments {
     /// Reads the part and its machine. If the options give a fluctuation, it replaces the file's.
     pub(crate) fn part_and_machine(&self, input: &Input, text: &Text) -> Result<(Part, Machine)> {
         let (part, machine) = input.part_and_machine_of(text)?;
+        Ok((part, self.with_fluctuation(machine)))
+    }
+
+    /// The machine with the fluctuation that the options give, if they give one.
+    pub(crate) fn with_fluctuation(&self, machine: Machine) -> Machine {
         let fluctuation_limit = self.fluctuation.unwrap_or(machine.fluctuation_limit);
-        Ok((part, Machine { fluctuation_limit, ..machine }))
+        Machine { fluctuation_limit, ..machine }
+    }
+
+    /// The fluctuation that the options give.
+    pub(crate) fn fluctuation(&self) -> Option<f64> {
+        self.fluctuation
     }
 
     /// The engines that the options name; both forms of the path if they name none.

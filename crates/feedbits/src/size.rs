@@ -7,10 +7,12 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use format_compare::{
-    Dimension, Engine, FrontPoint, Machine, Mixed, Problem, Register, Sizing, Space, Vectors,
+    Dimension, Engine, ExactPlan, FrontPoint, Machine, Mixed, Options, Problem, Register, Sizing, Space,
+    Vectors,
 };
-use real::{Datapath, Overflow, Rounding};
+use real::{Datapath, FormatName, Overflow, Rounding};
 use serde::Serialize;
+use serde_json::Value;
 use target_cost::Target;
 use types::Language;
 
@@ -23,14 +25,18 @@ use crate::interpolate::{vectors_folder, write_vectors};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::screen::{self, times};
+use crate::set::baseline::SetBaseline;
+use crate::set::parts::{Given, Parts};
+use crate::set::work::{OfEachPart, OwnAnswer, Worked};
+use crate::set::{self, Outputs};
 use crate::targets::TargetArguments;
-use crate::{output, period_costs};
+use crate::{interrupt, output, period_costs};
 
 /// Options of `size`.
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
-    input: Input,
+    parts: Parts,
     #[command(flatten)]
     run: RunArguments,
     /// How the datapath rounds products, quotients, roots and shifts.
@@ -94,12 +100,93 @@ impl Arguments {
 
 /// Searches and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    match arguments.parts.given() {
+        Given::One(input) => run_one(&input, arguments),
+        Given::Set(parts) => run_set(parts, arguments),
+    }
+}
+
+/// Searches for each part of a set, and prints what is enough for all of them.
+fn run_set(parts: &Parts, arguments: &Arguments) -> Result<Ending> {
+    if arguments.vectors.is_some() {
+        bail!("--vectors: the registers of one part have words: expected one part, or no --vectors");
+    }
+    if arguments.types.is_some() {
+        bail!("--types: the registers of one part become types: expected one part, or no --types");
+    }
+    let targets = arguments.targets.read()?;
+    let work = SizeEach { arguments, targets: &targets };
+    let outputs = Outputs {
+        out: arguments.output.place()?,
+        folder: None,
+        json: arguments.output.json,
+        targets: &targets,
+        baseline: SetBaseline::read(&arguments.baseline, SizeEach::COMMAND)?,
+    };
+    set::run(&work, parts, &arguments.run, &outputs)
+}
+
+/// The search for each part of a set.
+struct SizeEach<'a> {
+    arguments: &'a Arguments,
+    targets: &'a [Target],
+}
+
+impl OfEachPart for SizeEach<'_> {
+    const COMMAND: &'static str = "size";
+
+    fn options(&self) -> Result<String> {
+        let run = &self.arguments.run;
+        Ok(format!("{:?} {:?} {:?}", run.options()?, self.datapath(), run.fluctuation()))
+    }
+
+    fn datapath(&self) -> Datapath {
+        self.arguments.datapath()
+    }
+
+    fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
+        Ok(Options { interrupt: Some(interrupt::flag()), ..self.arguments.run.options_for(problem)? })
+    }
+
+    fn work<const D: usize>(&self, problem: &Problem<D>, part_checksum: u32) -> Result<Worked>
+    where
+        Space: Dimension<D>,
+    {
+        let options = self.options_for(problem)?;
+        let (found, plan) = sized(problem, &options, self.datapath(), self.targets)?;
+        let json = baseline::json(Self::COMMAND, part_checksum, &found)?;
+        Ok(Worked { json, plan: Some(plan), runs: found.sizing.tried })
+    }
+
+    fn plan<const D: usize>(&self, problem: &Problem<D>) -> Result<Option<ExactPlan>>
+    where
+        Space: Dimension<D>,
+    {
+        Ok(Some(planned(problem, &self.options_for(problem)?)?))
+    }
+
+    fn own_answer(&self, result: &Value) -> OwnAnswer {
+        let format = result["uniform"]["format"].as_str().and_then(FormatName::named);
+        match format {
+            Some(format) => OwnAnswer::Found { format, margin: result["uniform_margin"].as_f64() },
+            None => {
+                let widest = result["tried"].as_array().and_then(|tried| tried.last());
+                let reasons = widest.map_or(&Value::Null, |run| &run["verdict"]["reasons"]);
+                let first = reasons.as_str().or_else(|| reasons[0].as_str()).unwrap_or_default();
+                OwnAnswer::None(format!("48 bits are not enough: {first}"))
+            }
+        }
+    }
+}
+
+/// Searches for one part and prints the result.
+fn run_one(input: &Input, arguments: &Arguments) -> Result<Ending> {
     let out = arguments.output.place()?;
     let folder = arguments.vectors.as_deref().map(vectors_folder).transpose()?;
-    let part = arguments.input.text()?;
+    let part = input.text()?;
     let baseline = arguments.baseline.read("size", &part)?;
     let targets = arguments.targets.read()?;
-    let (found, types, vectors) = match arguments.run.problem_of(&arguments.input, &part)? {
+    let (found, types, vectors) = match arguments.run.problem_of(input, &part)? {
         AnyProblem::Planar(problem) => {
             in_part(&problem, size(&problem, arguments, &targets, baseline.as_ref()))?
         }
@@ -154,33 +241,69 @@ where
     Space: Dimension<D>,
 {
     let options = arguments.run.options_for(problem)?;
-    if options.engine != Engine::Pieces {
-        bail!("registers are sized for compiled pieces: give --evaluate pieces, or nothing");
-    }
+    expect_pieces(&options)?;
     baseline.map_or(Ok(()), |baseline| baseline.expect_machine(&problem.machine))?;
     if arguments.vectors.is_some() {
         expect_few_vectors(problem, &options)?;
     }
     let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
-    let formats = selected::<D>(&["f64".to_string()])?;
-    let (plan, datapath) =
-        (format_compare::plan_for(problem, formats[0].as_ref(), &options)?, arguments.datapath());
-    let mut sizing = format_compare::size(problem, &plan, &options, datapath)?;
-    if !targets.is_empty() {
-        format_compare::price_sizing(&mut sizing, problem, &plan, &options, targets)?;
-    }
+    let datapath = arguments.datapath();
+    let (found, plan) = sized(problem, &options, datapath, targets)?;
     let vectors = match arguments.vectors {
-        Some(_) => format_compare::register_vectors(&sizing, problem, &plan, &options, datapath.rounding)?,
+        Some(_) => format_compare::register_vectors(
+            &found.sizing,
+            problem,
+            &plan,
+            &options,
+            datapath.rounding,
+        )?,
         None => None,
     };
     progress.finish();
+    let sizing = &found.sizing;
     let (part, fluctuation_limit) = (problem.name.as_str(), problem.machine.fluctuation_limit);
     let types =
         sizing.mixed.as_ref().zip(arguments.types).map(|(mixed, language)| {
             types::in_language(mixed, datapath, (part, fluctuation_limit), language)
         });
+    Ok((found, types, vectors))
+}
+
+/// Refuses other forms of the path, for which there are no registers.
+fn expect_pieces(options: &Options) -> Result<()> {
+    if options.engine != Engine::Pieces {
+        bail!("registers are sized for compiled pieces: give --evaluate pieces, or nothing");
+    }
+    Ok(())
+}
+
+/// The result of the search, and the plan that it followed.
+fn sized<const D: usize>(
+    problem: &Problem<D>,
+    options: &Options,
+    datapath: Datapath,
+    targets: &[Target],
+) -> Result<(Found, ExactPlan)>
+where
+    Space: Dimension<D>,
+{
+    let plan = planned(problem, options)?;
+    let mut sizing = format_compare::size(problem, &plan, options, datapath)?;
+    if !targets.is_empty() {
+        format_compare::price_sizing(&mut sizing, problem, &plan, options, targets)?;
+    }
     let (part, machine) = (PartName { name: problem.name.clone() }, problem.machine.clone());
-    Ok((Found { part, machine, sizing }, types, vectors))
+    Ok((Found { part, machine, sizing }, plan))
+}
+
+/// The plan that the runs of the search follow.
+fn planned<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<ExactPlan>
+where
+    Space: Dimension<D>,
+{
+    expect_pieces(options)?;
+    let formats = selected::<D>(&["f64".to_string()])?;
+    Ok(format_compare::plan_for(problem, formats[0].as_ref(), options)?)
 }
 
 /// The width that is enough, or why none is.

@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use domains::Key;
-use domains::options::{MOST_PERIODS, SHARDS, SWEEP_FEED, SWEEP_PERIOD, SWEEP_POINTS, SWEEP_SCALE};
+use domains::options::{MOST_PERIODS, SWEEP_FEED, SWEEP_PERIOD, SWEEP_POINTS, SWEEP_SCALE};
 use foreign_text::in_lines;
 use format_compare::{
     Cost, Dimension, Engine, Format, JudgedRun, LeastPeriods, Options, PeriodCost, Problem, Space, Verdict,
@@ -21,13 +21,15 @@ use target_cost::Target;
 
 use crate::bounds::{expect_an_end, expect_few_pieces};
 use crate::ending::Ending;
+use crate::fingerprint::fingerprint_of;
 use crate::formats::selected;
 use crate::input::Input;
 use crate::numbers::{refusal, whole};
 use crate::places::{Folder, Place};
 use crate::progress::Progress;
+use crate::resumed_file::ResumedFile;
 use crate::run_arguments::RunArguments;
-use crate::sweep_file::SweepFile;
+use crate::shard::Shard;
 use crate::targets::TargetArguments;
 use crate::{candidates, output, report, sweep_file};
 
@@ -129,42 +131,6 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// Shard i of n, counted from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Shard {
-    index: usize,
-    count: usize,
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parts =
-            text.split_once('/').and_then(|(i, n)| Some((i.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
-        parts
-            .filter(|(index, count)| {
-                index <= count && [*index, *count].iter().all(|n| SHARDS.holds(f64::from(*n)))
-            })
-            .map(|(index, count)| Self { index: index as usize, count: count as usize })
-            .ok_or_else(|| format!("{text:?}: expected I/N with 1 ≤ I ≤ N ≤ 1,000,000, as in 2/8"))
-    }
-}
-
-impl Shard {
-    fn has(self, cell: usize) -> bool {
-        cell % self.count == self.index - 1
-    }
-
-    /// Each shard has its own file, since shards may run at the same time.
-    fn file(self) -> PathBuf {
-        match self {
-            Self { count: 1, .. } => "sweep.jsonl".into(),
-            Self { index, count } => format!("sweep-{index}-of-{count}.jsonl").into(),
-        }
-    }
-}
-
 /// A parser of a span whose ends are within the domain of an option.
 fn span(key: &'static Key) -> impl Fn(&str) -> Result<Span, String> + Clone + Send + Sync + 'static {
     move |text| {
@@ -190,7 +156,10 @@ struct Base {
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let places = Places {
         folder: report::folder(arguments.report.as_deref())?,
-        file: Place::named("--out", Some(&arguments.out.clone().unwrap_or_else(|| arguments.shard.file())))?,
+        file: Place::named(
+            "--out",
+            Some(&arguments.out.clone().unwrap_or_else(|| arguments.shard.file("sweep"))),
+        )?,
         terminal: Place::terminal()?,
     };
     let (part, machine) = arguments.run.part_and_machine(&arguments.input, &arguments.input.text()?)?;
@@ -223,7 +192,7 @@ where
     let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
     let base = Base::new::<D>(part, machine, arguments.targets.read()?)?;
     let plan = base.sweep(arguments, &formats, &engines, &options)?;
-    let (file, done) = SweepFile::resume(&places.file, &plan)?;
+    let (file, done) = ResumedFile::resume(&places.file, &plan)?;
     let known: HashSet<usize> = done.iter().map(|cell| cell.cell).collect();
     let left: Vec<usize> =
         (0..plan.len()).filter(|cell| arguments.shard.has(*cell) && !known.contains(cell)).collect();
@@ -332,7 +301,7 @@ impl Base {
         let moves: Vec<_> = self.part.moves.iter().map(of_move).collect();
         let plan = Sweep {
             part: self.part.name.clone(),
-            fingerprint: fingerprint(&format!(
+            fingerprint: fingerprint_of(&format!(
                 "{:?}{moves:?}{}{options:?}{}{}{}",
                 self.part.curves,
                 serde_json::to_string(&self.machine)?,
@@ -426,15 +395,6 @@ fn known(cost: &Cost) -> Option<SweepCost> {
     Some(SweepCost { max, microseconds_max, share_of_period, dsp_blocks })
 }
 
-/// A number of 64 bits that almost certainly differs for different texts: the hash of Fowler, Noll and Vo, version 1a,
-/// which is the same on every machine and at any time.
-fn fingerprint(text: &str) -> String {
-    let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    });
-    format!("{hash:016x}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -451,13 +411,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn shards_share_the_cells_without_rest() {
-        let shards: Vec<Shard> = (1..=3).map(|i| format!("{i}/3").parse().expect("a shard")).collect();
-        assert!((0..100).all(|cell| shards.iter().filter(|shard| shard.has(cell)).count() == 1));
-        assert!(["0/2", "3/2", "1", "a/b", "1/0"].iter().all(|wrong| wrong.parse::<Shard>().is_err()));
-    }
-
     /// The spans have the bounds of the machine file's own reader.
     #[test]
     fn spans_end_where_a_machine_file_does() {
@@ -467,12 +420,5 @@ mod tests {
         assert!(parsed("1..1000").is_ok());
         assert_eq!(parsed("1..1001"), Err("1001: expected a number of 0.001 to 1000 ms".into()));
         assert!(parsed("1e-4..1").is_err());
-    }
-
-    /// The published test values of the hash.
-    #[test]
-    fn fingerprints_are_those_of_fnv_1a() {
-        assert_eq!([fingerprint(""), fingerprint("a")], ["cbf29ce484222325", "af63dc4c8601ec8c"]);
-        assert_eq!(fingerprint("foobar"), "85944171f73967e8");
     }
 }

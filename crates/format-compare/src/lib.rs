@@ -96,6 +96,7 @@ mod judge {
 }
 
 mod size {
+    pub(crate) mod common_format;
     pub(crate) mod fewest_bits;
     mod signals;
     pub(crate) mod size;
@@ -107,7 +108,7 @@ mod compare {
     pub(crate) mod price;
 }
 
-pub use compare::compare::{Compared, Comparison, PartSummary, Watch, compare, compare_with};
+pub use compare::compare::{Compared, Comparison, PartSummary, Watch, common_plan, compare, compare_with};
 pub use compare::price::price;
 pub use feed_plan::ProfileKind;
 pub use judge::judged_run::{JudgedRun, Verdict};
@@ -138,6 +139,9 @@ pub use run::overrides::{OverrideCommands, OverrideError, OverrideTarget, Overri
 pub use run::run::{AboutRun, Run, RunStep};
 pub use run::stream::{StreamFailure, StreamRequest};
 pub use run::vectors::{RegisterWord, VectorColumn, VectorTable, Vectors, VectorsAbout};
+pub use size::common_format::{common_format, runs_in, splits};
 pub use size::fewest_bits::{FewestBits, fewest_bits};
-pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, register_vectors, size};
+pub use size::size::{
+    FrontPoint, Mixed, Register, Sizing, price_sizing, register_vectors, run_in_registers, size,
+};
 pub use target_cost::{Cost, CostSource, PeriodCost, RecordedRun};

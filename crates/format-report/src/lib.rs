@@ -7,6 +7,7 @@
 //! |---|---|
 //! | what is a report made of? | [`Material`], [`Solver`], [`Schedule`] |
 //! | where does a format stay good? | [`Sweep`], [`SweepCell`] |
+//! | which format is good for many parts? | [`SetPage`], [`PartOfSet`] |
 //! | what does it consist of? | [`Report`], [`Figure`], [`Table`] |
 //! | what is a picture of any lines? | [`LineChart`] |
 //!
@@ -29,6 +30,7 @@ mod number;
 mod palette;
 mod report;
 mod runs;
+mod set;
 mod sweep;
 mod table;
 mod tables;
@@ -38,5 +40,6 @@ pub use figure::Figure;
 pub use line_chart::LineChart;
 pub use material::{Material, Schedule, Solver};
 pub use report::{Report, listed};
+pub use set::{PartOfSet, SetPage};
 pub use sweep::{Sweep, SweepCell, SweepCost, SweepResult};
 pub use table::{Cell, Column, Table};

@@ -270,3 +270,34 @@ fn a_shell_is_told_the_words_that_it_asks_for() {
     let script = text(&feedbits_in(folder.path(), &["completions", "bash"]).stdout);
     assert!(script.contains("FEEDBITS_COMPLETE=\"bash\""), "{script}");
 }
+
+/// Settings of a control become a machine file that runs a part; every assumption is said, and stands in a comment.
+#[test]
+fn settings_of_a_control_make_a_machine_file() {
+    let folder = folder();
+    let settings = "$11=0.010\n$100=80\n$110=5000\n$111=5000\n$112=500\n$120=400\n$121=400\n$122=100\n";
+    fs::write(folder.path().join("settings.txt"), settings).expect("the folder is writable");
+    let made = feedbits_in(folder.path(), &["machine", "--from", "settings.txt", "--out", "m.toml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let file = fs::read_to_string(folder.path().join("m.toml")).expect("a file");
+    for key in ["interpolation_period_ms", "jerk_mm_per_s3"] {
+        let said = unfolded(&made.stderr);
+        assert!(said.contains(&format!("feedbits: {key} = ")) && said.contains(" is assumed: "), "{said}");
+        let lines: Vec<&str> = file.lines().collect();
+        let at = lines.iter().position(|line| line.starts_with(key)).expect("a line");
+        assert!(lines[at - 1].starts_with("# Assumed: "), "{file}");
+    }
+    assert_eq!(judged(folder.path(), "m.toml")["machine"]["acceleration_mm_per_s2"], 400.0);
+    let json = feedbits_in(folder.path(), &["machine", "--from", "settings.txt", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&json.stdout).expect("JSON");
+    assert_eq!(json["junction_deviation_mm"], 0.01);
+
+    fs::write(folder.path().join("settings.txt"), settings.replace("$120=400", "$120=-1")).expect("a file");
+    let refused = feedbits_in(folder.path(), &["machine", "--from", "settings.txt"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = unfolded(&refused.stderr);
+    assert!(said.contains("settings.txt:6: $120 = -1: acceleration_mm_per_s2 is -1: expected"), "{said}");
+    let none = feedbits_in(folder.path(), &["machine", "--from", "part.nc"]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(unfolded(&none.stderr).contains("no settings that are known"), "{}", unfolded(&none.stderr));
+}

@@ -21,6 +21,7 @@ mod plan;
 mod report;
 mod report_in_browser;
 mod servo;
+mod sets;
 #[cfg(target_os = "linux")]
 mod signals;
 mod smooth;

@@ -130,6 +130,35 @@ impl Default for Watch<'_> {
     }
 }
 
+/// The plan that the runs of a comparison follow; `None` where each format plans for itself.
+///
+/// # Errors
+/// [`Refusal`] when no plan can be made.
+pub fn common_plan<const D: usize>(
+    problem: &Problem<D>,
+    formats: &[Box<dyn Format<D>>],
+    options: &Options,
+) -> Result<Option<ExactPlan>, Refusal>
+where
+    Space: Dimension<D>,
+{
+    Ok(planned_for_all(problem, formats, options)?.map(ExactPlan::without_limit))
+}
+
+fn planned_for_all<const D: usize>(
+    problem: &Problem<D>,
+    formats: &[Box<dyn Format<D>>],
+    options: &Options,
+) -> Result<Option<ExactPlan>, Refusal>
+where
+    Space: Dimension<D>,
+{
+    match (options.plan_in, formats.first()) {
+        (PlanIn::Same, _) | (PlanIn::Format(_), None) => Ok(None),
+        (PlanIn::Format(_), Some(any)) => plan_for(problem, any.as_ref(), options).map(Some),
+    }
+}
+
 /// As [`compare`], and returns the common plan, and a trace of each run if `watch` asks for it.
 ///
 /// # Errors
@@ -145,13 +174,7 @@ where
     Space: Dimension<D>,
 {
     let reference = Reference::new(problem)?;
-    let common = match options.plan_in {
-        PlanIn::Same => None,
-        PlanIn::Format(_) => match formats.first() {
-            Some(any) => Some(plan_for(problem, any.as_ref(), options)?),
-            None => None,
-        },
-    };
+    let common = planned_for_all(problem, formats, options)?;
     // No run asks for the limit, only a page with traces does.
     let common = common.map(|plan| if watch.traces { plan } else { plan.without_limit() });
     let runs: Vec<(&dyn Format<D>, usize)> =

@@ -161,14 +161,42 @@ where
         return Ok(None);
     };
     let Job { problem, plan, options, .. } = trial.job;
-    let options = with_registers(options, fraction_bits);
+    let options = stopping_at(options, fraction_bits);
     let job = Job::new(problem, plan, &options);
     Ok(Search::new(trial, &job)?.mixed(uniform, fraction_bits.cast_signed()))
 }
 
-/// The options of a run with registers: the solver stops where that of the uniform format does, at its resolution; that of f64, in which
+/// The run of `problem` with a register for each signal, of these fraction bits, by the signals' names; `None` if it is not good, or a
+/// signal has no register. `uniform` is a format that is good for all signals alike, at whose resolution the solver stops. Integer bits
+/// follow from proven bounds, so that more of them change nothing.
+///
+/// # Errors
+/// [`Refusal`] when the part cannot be compiled.
+pub fn run_in_registers<const D: usize>(
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+    uniform: FormatName,
+    fraction_bits: &BTreeMap<String, u32>,
+) -> Result<Option<JudgedRun>, Refusal>
+where
+    Space: Dimension<D>,
+{
+    let FormatName::Fixed { fraction_bits: of_uniform, datapath, .. } = uniform else { return Ok(None) };
+    let options = search_options(options);
+    let job = Job::new(problem, plan, &options);
+    let trial = Trial::new(&job, datapath)?;
+    let options = stopping_at(&options, of_uniform);
+    let job = Job::new(problem, plan, &options);
+    let search = Search::new(&trial, &job)?;
+    let bits = search.bounds.iter().map(|bound| Some(fraction_bits.get(bound.signal)?.cast_signed()));
+    let run = bits.collect::<Option<Vec<i32>>>().and_then(|bits| search.run(&bits));
+    Ok(run.filter(|run| run.verdict.is_good()))
+}
+
+/// The options of a run in registers: the solver stops where that of the uniform format does, at its resolution. That of f64, in which
 /// registers are filled, is finer.
-fn with_registers(options: &Options, fraction_bits: u32) -> Options {
+fn stopping_at(options: &Options, fraction_bits: u32) -> Options {
     let resolution = f64::powi(0.5, fraction_bits.cast_signed());
     Options { fluctuation: options.fluctuation.or(Some(resolution)), ..options.clone() }
 }
@@ -188,7 +216,7 @@ pub fn register_vectors<const D: usize>(
     let Some(FormatName::Fixed { fraction_bits, .. }) = FormatName::named(&uniform.format) else {
         return Ok(None);
     };
-    let options = with_registers(&search_options(options), fraction_bits);
+    let options = stopping_at(&search_options(options), fraction_bits);
     let fraction_bits = |register: &Register| match FormatName::named(&register.format) {
         Some(FormatName::Fixed { fraction_bits, .. }) => Some((register.signal, fraction_bits.cast_signed())),
         _ => None,
