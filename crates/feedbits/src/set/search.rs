@@ -58,6 +58,14 @@ pub(crate) struct Fewest {
     pub(crate) without: Option<FormatName>,
 }
 
+/// The integer and the fraction bits of a fixed-point format.
+fn integer_and_fraction(format: FormatName) -> (u32, u32) {
+    match format {
+        FormatName::Fixed { integer_bits, fraction_bits, .. } => (integer_bits, fraction_bits),
+        _ => (0, 0),
+    }
+}
+
 /// The format with a fraction bit fewer.
 fn one_bit_fewer(format: FormatName) -> Option<FormatName> {
     match format {
@@ -232,23 +240,32 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         if known.iter().any(|(_, good)| *good == Some(false)) || interrupt::is_set() {
             return Ok(false);
         }
-        let mut unknown: Vec<_> =
-            known.iter().filter(|(_, good)| good.is_none()).map(|(part, _)| *part).collect();
-        unknown.sort_by_key(|part| Reverse(own[part].bits()));
-        let progress = Progress::of("parts confirmed", own.len());
-        progress.start_at(own.len() - unknown.len());
-        let is_bad = AtomicBool::new(false);
-        let tried = in_parallel(&unknown, |part| -> Result<()> {
-            if is_bad.load(Ordering::Relaxed) || interrupt::is_set() {
-                return Ok(());
-            }
-            let good = output::kept(|| self.try_part(*part, own[part], format)).0?;
-            is_bad.fetch_or(!good, Ordering::Relaxed);
-            progress.step();
-            Ok(())
+        let unknown = known.iter().filter(|(_, good)| good.is_none()).map(|(part, _)| *part);
+        // Those first that have failed before, or need more of either kind of bits alone: they are likely to fail, and most do so at once.
+        let (mut suspect, mut rest): (Vec<usize>, Vec<usize>) = unknown.partition(|part| {
+            let (needed, given) = (integer_and_fraction(own[part]), integer_and_fraction(format));
+            needed.0 > given.0 || needed.1 > given.1 || self.store().known().has_failed(*part)
         });
-        tried.into_iter().collect::<Result<()>>()?;
-        Ok(!is_bad.load(Ordering::Relaxed) && !interrupt::is_set())
+        let progress = Progress::of("parts confirmed", own.len());
+        progress.start_at(own.len() - suspect.len() - rest.len());
+        for parts in [&mut suspect, &mut rest] {
+            parts.sort_by_key(|part| (Reverse(integer_and_fraction(own[part]).0), Reverse(own[part].bits())));
+            let is_bad = AtomicBool::new(false);
+            let tried = in_parallel(parts, |part| -> Result<()> {
+                if is_bad.load(Ordering::Relaxed) || interrupt::is_set() {
+                    return Ok(());
+                }
+                let good = output::kept(|| self.try_part(*part, own[part], format)).0?;
+                is_bad.fetch_or(!good, Ordering::Relaxed);
+                progress.step();
+                Ok(())
+            });
+            tried.into_iter().collect::<Result<()>>()?;
+            if is_bad.into_inner() || interrupt::is_set() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Whether a format is good for a part, as far as that is known. Its own answer is the narrowest good format, and of its width the
@@ -257,11 +274,8 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         if own == format {
             return Some(true);
         }
-        let integer_bits = |format| match format {
-            FormatName::Fixed { integer_bits, .. } => integer_bits,
-            _ => 0,
-        };
-        let (this, of_own) = ((format.bits(), integer_bits(format)), (own.bits(), integer_bits(own)));
+        let (this, of_own) =
+            ((format.bits(), integer_and_fraction(format).0), (own.bits(), integer_and_fraction(own).0));
         if this < of_own {
             return Some(false);
         }
