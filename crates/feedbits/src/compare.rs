@@ -144,7 +144,7 @@ impl OfEachPart for CompareEach<'_> {
             add_answers(problem, &mut compared, self.targets, self.wants_fewest_bits, &options)?;
         }
         let json = baseline::json(Self::COMMAND, part_checksum, &compared.comparison)?;
-        Ok(Worked { json, plan: compared.plan, runs: compared.comparison.formats })
+        Ok(Worked { json, plan: compared.plan })
     }
 
     fn plan<const D: usize>(&self, problem: &Problem<D>) -> Result<Option<ExactPlan>>

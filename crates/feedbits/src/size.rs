@@ -155,7 +155,7 @@ impl OfEachPart for SizeEach<'_> {
         let options = self.options_for(problem)?;
         let (found, plan) = sized(problem, &options, self.datapath(), self.targets)?;
         let json = baseline::json(Self::COMMAND, part_checksum, &found)?;
-        Ok(Worked { json, plan: Some(plan), runs: found.sizing.tried })
+        Ok(Worked { json, plan: Some(plan) })
     }
 
     fn plan<const D: usize>(&self, problem: &Problem<D>) -> Result<Option<ExactPlan>>

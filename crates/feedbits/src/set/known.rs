@@ -262,6 +262,12 @@ impl Known {
         self.tried.get(&(part, format.to_string())).map(Option::as_ref)
     }
 
+    /// Whether a part was tried in a format that is not good for it.
+    pub(crate) fn has_failed(&self, part: usize) -> bool {
+        let of_part = (part, String::new())..(part + 1, String::new());
+        self.tried.range(of_part).any(|(_, good)| good.is_none())
+    }
+
     /// What a part breaks first in a format that is too narrow for it, if that is known.
     pub(crate) fn broken(&self, part: usize, format: &str) -> Option<Option<&Limiting>> {
         self.broken.get(&(part, format.to_string())).map(Option::as_ref)

@@ -125,9 +125,9 @@ impl Parts {
     }
 }
 
-/// The file of a list, if a word names one.
+/// The file of a list, if a word names one: a file whose own name begins with `@` is a part.
 fn list(word: &Path) -> Option<&str> {
-    word.to_str()?.strip_prefix('@')
+    word.to_str()?.strip_prefix('@').filter(|_| !word.exists())
 }
 
 /// The parts so far.

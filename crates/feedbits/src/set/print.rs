@@ -156,6 +156,9 @@ fn who_decides(fewest: &FewestOfSet) -> String {
                 .collect();
             format!(" No part alone needs so many: {}.", names.join(", "))
         }
+        (Some(first), Some(_)) if needing.len() == 1 && fewest.parts > 1 => {
+            format!(" {} needs as many alone, and so do the others together.", file_name(&first.part))
+        }
         (Some(_), Some(_)) if needing.len() > 1 => {
             let names: Vec<String> = needing.iter().take(3).map(|one| file_name(&one.part)).collect();
             let more = if needing.len() > names.len() { " and others" } else { "" };

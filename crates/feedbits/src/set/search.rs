@@ -1,18 +1,18 @@
 //! The work on all parts of a set, and the search for the fewest bits that are enough for all of them.
 //!
-//! While a part is at hand, it is also tried in the widest format that a part so far needs alone: that is often the answer for all, and
-//! the part need not be read and planned again. What is not known when all parts are finished is tried then, the parts first that need
-//! the most bits.
+//! A format is tried on the parts first that need the most bits alone. The plans of small parts are kept until then, so that these are not
+//! planned again.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
+use std::fs;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, Result, bail};
 use feed_plan::in_parallel;
 use format_compare::{
-    Dimension, Engine, JudgedRun, Options, Problem, Space, Watch, common_format, runs_in, splits,
+    Dimension, Engine, ExactPlan, JudgedRun, Options, Problem, Space, Watch, common_format, runs_in, splits,
 };
 use part_program::Machine;
 use real::FormatName;
@@ -27,7 +27,7 @@ use crate::set::known::{Broken, Finished, GoodRun, Limiting, PartEnding, SetLine
 use crate::set::parts::PartFile;
 use crate::set::registers::RegistersOfSet;
 use crate::set::store::Store;
-use crate::set::work::{OfEachPart, OwnAnswer, Worked};
+use crate::set::work::{OfEachPart, Worked};
 use crate::{interrupt, output};
 
 /// The parts of a set, with what is done to them.
@@ -40,8 +40,8 @@ pub(crate) struct Search<'a, W> {
     pub(crate) files: &'a [PartFile],
     pub(crate) set: &'a SetOfParts,
     store: Mutex<Store>,
-    /// The widest format so far that a part needs alone.
-    widest: Mutex<Option<FormatName>>,
+    /// Plans that are kept, with the bytes of the parts that they are of.
+    plans: Mutex<(BTreeMap<usize, Arc<ExactPlan>>, usize)>,
     /// The parts with notes and warnings.
     remarked: AtomicUsize,
 }
@@ -56,6 +56,14 @@ pub(crate) struct Fewest {
     pub(crate) narrower: Option<FormatName>,
     /// The fewest bits without that part; `None` if it is the only one.
     pub(crate) without: Option<FormatName>,
+}
+
+/// The integer and the fraction bits of a fixed-point format.
+fn integer_and_fraction(format: FormatName) -> (u32, u32) {
+    match format {
+        FormatName::Fixed { integer_bits, fraction_bits, .. } => (integer_bits, fraction_bits),
+        _ => (0, 0),
+    }
 }
 
 /// The format with a fraction bit fewer.
@@ -76,8 +84,8 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         set: &'a SetOfParts,
         store: Store,
     ) -> Self {
-        let (store, widest, remarked) = (Mutex::new(store), Mutex::default(), AtomicUsize::new(0));
-        Self { work, run, reading, machine, files, set, store, widest, remarked }
+        let (store, plans, remarked) = (Mutex::new(store), Mutex::default(), AtomicUsize::new(0));
+        Self { work, run, reading, machine, files, set, store, plans, remarked }
     }
 
     /// What is known.
@@ -118,34 +126,49 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         ending.with_context(|| self.files[part].name.clone())
     }
 
-    /// Does the work for a part, and tries it in the widest format that a part needs so far.
+    /// Does the work for a part.
     fn work_on<const D: usize>(&self, part: usize, problem: &Problem<D>, checksum: u32) -> Result<()>
     where
         Space: Dimension<D>,
     {
         let worked = in_part(problem, self.work.work(problem, checksum));
-        let Worked { json, plan, runs } = match worked {
+        let Worked { json, plan } = match worked {
             Ok(worked) => worked,
             Err(error) => {
                 let ending = PartEnding::Refused(format!("{error:#}"));
                 return self.add(SetLine::Finished(Finished { part, ending }));
             }
         };
-        let own = self.work.own_answer(&serde_json::from_str(&json)?);
         self.add(SetLine::Finished(Finished { part, ending: PartEnding::Result(json) }))?;
-        let (OwnAnswer::Found { format: own, .. }, Some(plan)) = (own, plan) else { return Ok(()) };
-        let widest = {
-            let mut widest = self.widest.lock().unwrap_or_else(PoisonError::into_inner);
-            *widest = widest.filter(|widest| widest.bits() >= own.bits()).or(Some(own));
-            *widest
-        };
-        match widest.filter(|widest| *widest != own && !interrupt::is_set()) {
-            Some(widest) => {
-                let options = self.work.options_for(problem)?;
-                let tried = runs_in(problem, &plan, &runs, &options, &[widest])?;
-                tried.iter().try_for_each(|run| self.add_tried(part, widest, run.as_ref()))
-            }
-            None => Ok(()),
+        plan.into_iter().for_each(|plan| self.keep(part, plan));
+        Ok(())
+    }
+
+    /// Keeps the plan of a part, as long as the parts of all kept plans are small.
+    fn keep(&self, part: usize, plan: ExactPlan) {
+        const MOST_BYTES: usize = 4 << 20;
+        let bytes = fs::metadata(&self.files[part].path).map_or(u64::MAX, |found| found.len());
+        let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
+        let mut plans = self.plans.lock().unwrap_or_else(PoisonError::into_inner);
+        let all = plans.1.saturating_add(bytes);
+        if all <= MOST_BYTES {
+            plans.0.insert(part, Arc::new(plan));
+            plans.1 = all;
+        }
+    }
+
+    /// The plan of a part's runs: the one that is kept, or made again.
+    fn plan<const D: usize>(&self, part: usize, problem: &Problem<D>) -> Result<Arc<ExactPlan>>
+    where
+        Space: Dimension<D>,
+    {
+        let kept = self.plans.lock().unwrap_or_else(PoisonError::into_inner).0.get(&part).cloned();
+        match kept {
+            Some(plan) => Ok(plan),
+            None => match self.work.plan(problem)? {
+                Some(plan) => Ok(Arc::new(plan)),
+                None => bail!("each format plans for itself"),
+            },
         }
     }
 
@@ -191,58 +214,58 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         };
         let others: BTreeMap<_, _> =
             own.iter().filter(|(part, _)| Some(**part) != alone).map(|(p, f)| (*p, *f)).collect();
-        // What the others need is probably the widest of theirs: it is tried while a part is at hand.
-        let of_others = others.values().copied().max_by_key(|format| format.bits());
-        let format = self.common(own, alone.and(of_others))?;
-        let decides = alone.filter(|part| format.is_some_and(|format| format.bits() == own[part].bits()));
+        let format = self.common(own)?;
+        let of_width = |format: Option<FormatName>| format.map(FormatName::bits);
+        let is_widest = format.is_some() && of_width(format) == of_widest;
+        let without = if alone.is_some() && is_widest { self.common(&others)? } else { None };
+        // Without the part that needs most alone, the others may need as many together.
+        let decides = alone.filter(|_| is_widest && of_width(without) != of_width(format));
         let narrower = format.and_then(one_bit_fewer);
         if let (Some(part), Some(narrower)) = (decides, narrower) {
             self.expect_broken(part, narrower)?;
         }
-        let without = if decides.is_some() { self.common(&others, None)? } else { None };
         Ok(Fewest { format, decides, narrower, without })
     }
 
-    /// The narrowest format that is good for these parts. Where a part is tried, it is tried in `also` too.
-    fn common(
-        &self,
-        own: &BTreeMap<usize, FormatName>,
-        also: Option<FormatName>,
-    ) -> Result<Option<FormatName>> {
+    /// The narrowest format that is good for these parts.
+    fn common(&self, own: &BTreeMap<usize, FormatName>) -> Result<Option<FormatName>> {
         let alone: Vec<_> = own.values().copied().collect();
-        common_format(&alone, self.work.datapath(), |format| self.is_good_for_all(format, own, also))
+        common_format(&alone, self.work.datapath(), |format| self.is_good_for_all(format, own))
     }
 
     /// Whether a format is good for these parts.
-    fn is_good_for_all(
-        &self,
-        format: FormatName,
-        own: &BTreeMap<usize, FormatName>,
-        also: Option<FormatName>,
-    ) -> Result<bool> {
+    fn is_good_for_all(&self, format: FormatName, own: &BTreeMap<usize, FormatName>) -> Result<bool> {
         let known: Vec<(usize, Option<bool>)> =
             own.iter().map(|(part, own)| (*part, self.is_good(*part, *own, format))).collect();
         if known.iter().any(|(_, good)| *good == Some(false)) || interrupt::is_set() {
             return Ok(false);
         }
-        let mut unknown: Vec<_> =
-            known.iter().filter(|(_, good)| good.is_none()).map(|(part, _)| *part).collect();
-        unknown.sort_by_key(|part| Reverse(own[part].bits()));
-        let progress = Progress::of("parts confirmed", own.len());
-        progress.start_at(own.len() - unknown.len());
-        let is_bad = AtomicBool::new(false);
-        let tried = in_parallel(&unknown, |part| -> Result<()> {
-            if is_bad.load(Ordering::Relaxed) || interrupt::is_set() {
-                return Ok(());
-            }
-            let also = also.filter(|also| *also != format && self.is_good(*part, own[part], *also).is_none());
-            let good = output::kept(|| self.try_part(*part, own[part], format, also)).0?;
-            is_bad.fetch_or(!good, Ordering::Relaxed);
-            progress.step();
-            Ok(())
+        let unknown = known.iter().filter(|(_, good)| good.is_none()).map(|(part, _)| *part);
+        // Those first that have failed before, or need more of either kind of bits alone: they are likely to fail, and most do so at once.
+        let (mut suspect, mut rest): (Vec<usize>, Vec<usize>) = unknown.partition(|part| {
+            let (needed, given) = (integer_and_fraction(own[part]), integer_and_fraction(format));
+            needed.0 > given.0 || needed.1 > given.1 || self.store().known().has_failed(*part)
         });
-        tried.into_iter().collect::<Result<()>>()?;
-        Ok(!is_bad.load(Ordering::Relaxed) && !interrupt::is_set())
+        let progress = Progress::of("parts confirmed", own.len());
+        progress.start_at(own.len() - suspect.len() - rest.len());
+        for parts in [&mut suspect, &mut rest] {
+            parts.sort_by_key(|part| (Reverse(integer_and_fraction(own[part]).0), Reverse(own[part].bits())));
+            let is_bad = AtomicBool::new(false);
+            let tried = in_parallel(parts, |part| -> Result<()> {
+                if is_bad.load(Ordering::Relaxed) || interrupt::is_set() {
+                    return Ok(());
+                }
+                let good = output::kept(|| self.try_part(*part, own[part], format)).0?;
+                is_bad.fetch_or(!good, Ordering::Relaxed);
+                progress.step();
+                Ok(())
+            });
+            tried.into_iter().collect::<Result<()>>()?;
+            if is_bad.into_inner() || interrupt::is_set() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Whether a format is good for a part, as far as that is known. Its own answer is the narrowest good format, and of its width the
@@ -251,35 +274,22 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         if own == format {
             return Some(true);
         }
-        let integer_bits = |format| match format {
-            FormatName::Fixed { integer_bits, .. } => integer_bits,
-            _ => 0,
-        };
-        let (this, of_own) = ((format.bits(), integer_bits(format)), (own.bits(), integer_bits(own)));
+        let (this, of_own) =
+            ((format.bits(), integer_and_fraction(format).0), (own.bits(), integer_and_fraction(own).0));
         if this < of_own {
             return Some(false);
         }
         self.store().known().tried(part, &format.to_string()).map(|good| good.is_some())
     }
 
-    /// Tries a part in a format, of which nothing is known, and in `also`. If it is bad, every format of its width is tried, since the part
-    /// is at hand: it is likely to be the one by which the others fail too.
-    fn try_part(
-        &self,
-        part: usize,
-        own: FormatName,
-        format: FormatName,
-        also: Option<FormatName>,
-    ) -> Result<bool> {
-        let first: Vec<_> = [Some(format), also].into_iter().flatten().collect();
-        let is_good = self.try_in(part, &first)?[0];
-        if !is_good && !interrupt::is_set() {
-            let all = splits(format.bits(), self.work.datapath());
-            let unknown: Vec<_> =
-                all.into_iter().filter(|one| self.is_good(part, own, *one).is_none()).collect();
-            self.try_in(part, &unknown)?;
-        }
-        Ok(is_good)
+    /// Tries a part in a format, of which nothing is known. If it is bad, the formats of its width with fewer fraction bits are tried until one
+    /// is good, since the part is at hand: it is likely to be the one by which they fail too.
+    fn try_part(&self, part: usize, own: FormatName, format: FormatName) -> Result<bool> {
+        let all = splits(format.bits(), self.work.datapath());
+        let from_format = all.into_iter().skip_while(|one| *one != format);
+        let unknown: Vec<_> = from_format.filter(|one| self.is_good(part, own, *one).is_none()).collect();
+        self.try_in(part, &unknown)?;
+        Ok(self.is_good(part, own, format) == Some(true))
     }
 
     /// Registers that are good for each of these parts: those, or with some fraction bits more in each. `uniform` is the answer in one
@@ -314,8 +324,8 @@ impl<'a, W: OfEachPart> Search<'a, W> {
             return Ok(good.is_some());
         }
         let run = output::kept(|| match self.problem(part)? {
-            Ok((AnyProblem::Planar(problem), _)) => self.run_in_registers(&problem, uniform, &bits),
-            Ok((AnyProblem::Spatial(problem), _)) => self.run_in_registers(&problem, uniform, &bits),
+            Ok((AnyProblem::Planar(problem), _)) => self.run_in_registers(part, &problem, uniform, &bits),
+            Ok((AnyProblem::Spatial(problem), _)) => self.run_in_registers(part, &problem, uniform, &bits),
             Err(_) => bail!("{}: it was run before, and cannot be run again", self.files[part].name),
         });
         let good = run.0?.as_ref().map(GoodRun::of).transpose()?;
@@ -326,6 +336,7 @@ impl<'a, W: OfEachPart> Search<'a, W> {
 
     fn run_in_registers<const D: usize>(
         &self,
+        part: usize,
         problem: &Problem<D>,
         uniform: FormatName,
         bits: &BTreeMap<String, u32>,
@@ -333,8 +344,7 @@ impl<'a, W: OfEachPart> Search<'a, W> {
     where
         Space: Dimension<D>,
     {
-        let Some(plan) = self.work.plan(problem)? else { bail!("each format plans for itself") };
-        let options = self.work.options_for(problem)?;
+        let (plan, options) = (self.plan(part, problem)?, self.work.options_for(problem)?);
         Ok(format_compare::run_in_registers(problem, &plan, &options, uniform, bits)?)
     }
 
@@ -364,8 +374,8 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         Ok(run.as_ref().and_then(Limiting::broken_by))
     }
 
-    /// Tries a part in formats; which of them are good.
-    fn try_in(&self, part: usize, formats: &[FormatName]) -> Result<Vec<bool>> {
+    /// Tries a part in formats until one is good.
+    fn try_in(&self, part: usize, formats: &[FormatName]) -> Result<()> {
         let again = || format!("{}: it was run before, and cannot be run again", self.files[part].name);
         match self.problem(part)? {
             Ok((AnyProblem::Planar(problem), _)) => self.try_problem_in(part, &problem, formats),
@@ -381,16 +391,20 @@ impl<'a, W: OfEachPart> Search<'a, W> {
         part: usize,
         problem: &Problem<D>,
         formats: &[FormatName],
-    ) -> Result<Vec<bool>>
+    ) -> Result<()>
     where
         Space: Dimension<D>,
     {
-        let Some(plan) = self.work.plan(problem)? else { bail!("each format plans for itself") };
-        let runs = runs_in(problem, &plan, &[], &self.work.options_for(problem)?, formats)?;
-        for (format, run) in formats.iter().zip(&runs) {
-            self.add_tried(part, *format, run.as_ref())?;
+        let (plan, options) = (self.plan(part, problem)?, self.work.options_for(problem)?);
+        for format in formats {
+            let runs = runs_in(problem, &plan, &[], &options, &[*format])?;
+            let run = runs.first().and_then(Option::as_ref);
+            self.add_tried(part, *format, run)?;
+            if run.is_some() || interrupt::is_set() {
+                break;
+            }
         }
-        Ok(runs.iter().map(Option::is_some).collect())
+        Ok(())
     }
 
     /// The result of each part that was run, by its number.

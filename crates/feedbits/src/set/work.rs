@@ -1,7 +1,7 @@
 //! What a command does with each part of a set.
 
 use anyhow::Result;
-use format_compare::{Dimension, ExactPlan, JudgedRun, Options, Problem, Space};
+use format_compare::{Dimension, ExactPlan, Options, Problem, Space};
 use real::{Datapath, FormatName};
 use serde_json::Value;
 
@@ -11,8 +11,6 @@ pub(crate) struct Worked {
     pub(crate) json: String,
     /// The plan that the runs followed, if there is a common one.
     pub(crate) plan: Option<ExactPlan>,
-    /// Runs, by which the hardest sections of the path are known.
-    pub(crate) runs: Vec<JudgedRun>,
 }
 
 /// A command that takes a set of parts.
