@@ -2,8 +2,8 @@
 
 use part_program::StatedLimits;
 
-use crate::findings::LogPlace;
 use crate::in_order::{InOrder, Way};
+use crate::log_place::LogPlace;
 use crate::nearest::Nearest;
 use crate::part_findings::{LineFeed, Off, PartFindings, SkippedMoves};
 use crate::part_path::{FLAT_MM, PartPath, distance};
