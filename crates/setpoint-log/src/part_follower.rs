@@ -99,6 +99,11 @@ impl<'p> PartFollower<'p> {
         if off_mm <= far_mm && !is_worse(&self.nearest_off[kind], off_mm + FLAT_MM) {
             return;
         }
+        // The exact curve at the place decides whether it is worth to look at every other.
+        let own_mm = self.path.exact_distance(&at.point_mm, (way.segment, way.share), off_mm);
+        if own_mm <= far_mm && !is_worse(&self.nearest_off[kind], own_mm) {
+            return;
+        }
         let mm = self.nearest.distance(&at.point_mm, off_mm);
         self.far += u64::from(mm > far_mm);
         if is_worse(&self.nearest_off[kind], mm) {
