@@ -110,6 +110,8 @@ type OfLimit = [[Taken; 2]; WINDOWS];
 #[derive(Clone, Debug)]
 struct Judged {
     limit: StatedLimit,
+    /// The largest difference that it allows over each window, in mm; of the feed, the share of what is commanded in a window.
+    most_mm: [f64; WINDOWS],
     /// The largest shares over single periods, without a corner and with one.
     raw: [Worst; 2],
     windows: OfLimit,
@@ -136,6 +138,8 @@ pub struct Differences {
     section: VecDeque<Setpoint>,
     /// What windows look at of them.
     seen: VecDeque<Seen>,
+    /// How many of them pass a corner.
+    corners: usize,
     /// The last setpoint, until it is known that another follows: one that ends a run in motion takes the rest of the path, and does
     /// not count.
     waiting: Option<Setpoint>,
@@ -153,11 +157,17 @@ impl Differences {
         Self {
             limits: limits
                 .iter()
-                .map(|limit| Judged { limit: *limit, raw: Default::default(), windows: OfLimit::default() })
+                .map(|limit| Judged {
+                    limit: *limit,
+                    most_mm: std::array::from_fn(|window| limit.most * power(1 << window, limit.order)),
+                    raw: Default::default(),
+                    windows: OfLimit::default(),
+                })
                 .collect(),
             standing: None,
             section: VecDeque::new(),
             seen: VecDeque::new(),
+            corners: 0,
             waiting: None,
             open: 0,
             head: Vec::new(),
@@ -199,8 +209,10 @@ impl Differences {
         }
         self.seen.push_back(Seen { places: places(setpoint.at.point_mm, setpoint.way), feed_mm });
         self.section.push_back(setpoint);
+        self.corners += usize::from(setpoint.passes_corner);
         if self.section.len() > SPAN {
-            self.section.pop_front();
+            let gone = self.section.pop_front();
+            self.corners -= usize::from(gone.is_some_and(|gone| gone.passes_corner));
             self.seen.pop_front();
         }
     }
@@ -208,6 +220,7 @@ impl Differences {
     fn forget(&mut self) {
         self.section.clear();
         self.seen.clear();
+        self.corners = 0;
     }
 
     /// Whether the next setpoint begins a section, so that the place is wanted at which its step begins.
@@ -348,17 +361,16 @@ impl Differences {
                     let feed = self.seen.back().map_or(0.0, |seen| seen.feed_mm[window]);
                     limit.most * feed * width as f64
                 }
-                _ => limit.most * power(width, limit.order),
+                _ => judged.most_mm[window],
             };
             let over = found_mm - most_mm;
             exceeds |= is_less(0.0, over);
             let taken = Taken { over: Worst { figure: over, at }, found_mm, most_mm };
-            let share = taken.share(0.0).figure;
-            let is_more = |raw: &Worst| raw.at.is_none() || is_less(raw.figure, share);
+            let is_more = |raw: &Worst| raw.at.is_none() || is_less(raw.figure, found_mm / most_mm);
             if judged.windows[window].iter().any(|worst| is_worse(worst, over))
                 || window == 0 && judged.raw.iter().any(is_more)
             {
-                let has_corner = passed().any(|setpoint| setpoint.passes_corner);
+                let has_corner = self.corners > 0 && passed().any(|setpoint| setpoint.passes_corner);
                 judged.add(window, has_corner, taken);
             }
         }
@@ -401,11 +413,13 @@ impl Differences {
 /// The first, second and third differences of places that lie behind `here`, in order.
 fn differences(here: &Places, behind: [Option<Places>; 3]) -> [Option<Places>; 3] {
     let [b, c, d] = behind;
-    let of = |difference: &dyn Fn(usize) -> f64| std::array::from_fn(difference);
+    fn of(difference: impl Fn(usize) -> f64) -> Places {
+        std::array::from_fn(difference)
+    }
     [
-        b.map(|b| of(&|i| here[i] - b[i])),
-        b.zip(c).map(|(b, c)| of(&|i| (here[i] - b[i]) - (b[i] - c[i]))),
-        b.zip(c).zip(d).map(|((b, c), d)| of(&|i| (here[i] - d[i]) - 3.0 * (b[i] - c[i]))),
+        b.map(|b| of(|i| here[i] - b[i])),
+        b.zip(c).map(|(b, c)| of(|i| (here[i] - b[i]) - (b[i] - c[i]))),
+        b.zip(c).zip(d).map(|((b, c), d)| of(|i| (here[i] - d[i]) - 3.0 * (b[i] - c[i]))),
     ]
 }
 
