@@ -53,6 +53,14 @@ fn places([x, y, z]: [f64; 3], way: Way) -> Places {
     [x, y, z, way.arc_mm, way.chords_mm]
 }
 
+/// What windows look at of a setpoint.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    places: Places,
+    /// For each window the longest step that is commanded in the periods of it that end here, in mm.
+    feed_mm: [f64; WINDOWS],
+}
+
 /// A setpoint, and what the step to it may do.
 #[derive(Clone, Copy, Debug)]
 pub struct Setpoint {
@@ -102,6 +110,8 @@ type OfLimit = [[Taken; 2]; WINDOWS];
 #[derive(Clone, Debug)]
 struct Judged {
     limit: StatedLimit,
+    /// The largest difference that it allows over each window, in mm; of the feed, the share of what is commanded in a window.
+    most_mm: [f64; WINDOWS],
     /// The largest shares over single periods, without a corner and with one.
     raw: [Worst; 2],
     windows: OfLimit,
@@ -126,6 +136,10 @@ pub struct Differences {
     standing: Option<Places>,
     /// The last setpoints of the section, as far as a window reaches.
     section: VecDeque<Setpoint>,
+    /// What windows look at of them.
+    seen: VecDeque<Seen>,
+    /// How many of them pass a corner.
+    corners: usize,
     /// The last setpoint, until it is known that another follows: one that ends a run in motion takes the rest of the path, and does
     /// not count.
     waiting: Option<Setpoint>,
@@ -143,10 +157,17 @@ impl Differences {
         Self {
             limits: limits
                 .iter()
-                .map(|limit| Judged { limit: *limit, raw: Default::default(), windows: OfLimit::default() })
+                .map(|limit| Judged {
+                    limit: *limit,
+                    most_mm: std::array::from_fn(|window| limit.most * power(1 << window, limit.order)),
+                    raw: Default::default(),
+                    windows: OfLimit::default(),
+                })
                 .collect(),
             standing: None,
             section: VecDeque::new(),
+            seen: VecDeque::new(),
+            corners: 0,
             waiting: None,
             open: 0,
             head: Vec::new(),
@@ -172,8 +193,34 @@ impl Differences {
     pub fn begin_part(&mut self, first: Setpoint) {
         self.is_head = !first.ends_at_rest;
         if self.is_head {
-            self.section.push_back(first);
+            self.keep(first);
         }
+    }
+
+    /// Keeps a setpoint for as long as windows reach back to it.
+    fn keep(&mut self, setpoint: Setpoint) {
+        let mut feed_mm = [setpoint.feed_mm.max(0.0); WINDOWS];
+        for window in 1..WINDOWS {
+            // The longest of both halves of a window; nothing is before the begin of a section.
+            let half = 1_usize << (window - 1);
+            let before = self.seen.len().checked_sub(half).and_then(|index| self.seen.get(index));
+            let own = feed_mm[window - 1];
+            feed_mm[window] = before.map_or(own, |before| own.max(before.feed_mm[window - 1]));
+        }
+        self.seen.push_back(Seen { places: places(setpoint.at.point_mm, setpoint.way), feed_mm });
+        self.section.push_back(setpoint);
+        self.corners += usize::from(setpoint.passes_corner);
+        if self.section.len() > SPAN {
+            let gone = self.section.pop_front();
+            self.corners -= usize::from(gone.is_some_and(|gone| gone.passes_corner));
+            self.seen.pop_front();
+        }
+    }
+
+    fn forget(&mut self) {
+        self.section.clear();
+        self.seen.clear();
+        self.corners = 0;
     }
 
     /// Whether the next setpoint begins a section, so that the place is wanted at which its step begins.
@@ -209,13 +256,13 @@ impl Differences {
         other: Self,
         place: impl Fn(StepPlace) -> StepPlace,
     ) {
-        self.section.clear();
+        self.forget();
         (self.waiting, self.open) = (None, 0);
         let before = Way { arc_mm: -step.arc_mm, chords_mm: -step.chords_mm };
         self.standing = standing_mm.map(|at| places(at, before));
         let head = other.head.iter().map(|setpoint| Setpoint { at: place(setpoint.at), ..*setpoint });
         core::iter::once(first).chain(head).for_each(|setpoint| self.pass(setpoint));
-        self.section.clear();
+        self.forget();
         self.waiting = None;
         for (own, other) in self.limits.iter_mut().zip(&other.limits) {
             for (own, other) in own.raw.iter_mut().zip(other.raw) {
@@ -237,7 +284,7 @@ impl Differences {
         if let Some(last) = self.waiting.take() {
             self.look(last);
         }
-        self.section.clear();
+        self.forget();
         (self.standing, self.open) = (None, 0);
     }
 
@@ -264,7 +311,7 @@ impl Differences {
             }
             self.look(standing);
         }
-        self.section.clear();
+        self.forget();
     }
 
     /// Looks at the windows that end with a setpoint, and at the corner that its step passes.
@@ -272,10 +319,7 @@ impl Differences {
         if let Some(corner) = setpoint.corner {
             self.look_at_corner(corner, setpoint.at);
         }
-        self.section.push_back(setpoint);
-        if self.section.len() > SPAN {
-            self.section.pop_front();
-        }
+        self.keep(setpoint);
         self.open = self.open.saturating_sub(1);
         if self.look_through(0) {
             self.open = SPAN;
@@ -292,7 +336,7 @@ impl Differences {
         let width = 1_usize << window;
         let count = self.section.len();
         let place = |back: usize| match (count - 1).checked_sub(back * width) {
-            Some(index) => self.section.get(index).map(|setpoint| places(setpoint.at.point_mm, setpoint.way)),
+            Some(index) => self.seen.get(index).map(|seen| seen.places),
             None => self.standing,
         };
         let [Some(here), before, far, farthest] = [0, 1, 2, 3].map(place) else { return false };
@@ -314,20 +358,19 @@ impl Differences {
             let passed = || self.section.range(begin..);
             let most_mm = match (limit.of, limit.order) {
                 (Of::Path | Of::Vector, 0) => {
-                    let feed = passed().map(|setpoint| setpoint.feed_mm).fold(0.0, f64::max);
+                    let feed = self.seen.back().map_or(0.0, |seen| seen.feed_mm[window]);
                     limit.most * feed * width as f64
                 }
-                _ => limit.most * power(width, limit.order),
+                _ => judged.most_mm[window],
             };
             let over = found_mm - most_mm;
             exceeds |= is_less(0.0, over);
             let taken = Taken { over: Worst { figure: over, at }, found_mm, most_mm };
-            let share = taken.share(0.0).figure;
-            let is_more = |raw: &Worst| raw.at.is_none() || is_less(raw.figure, share);
+            let is_more = |raw: &Worst| raw.at.is_none() || is_less(raw.figure, found_mm / most_mm);
             if judged.windows[window].iter().any(|worst| is_worse(worst, over))
                 || window == 0 && judged.raw.iter().any(is_more)
             {
-                let has_corner = passed().any(|setpoint| setpoint.passes_corner);
+                let has_corner = self.corners > 0 && passed().any(|setpoint| setpoint.passes_corner);
                 judged.add(window, has_corner, taken);
             }
         }
@@ -370,11 +413,13 @@ impl Differences {
 /// The first, second and third differences of places that lie behind `here`, in order.
 fn differences(here: &Places, behind: [Option<Places>; 3]) -> [Option<Places>; 3] {
     let [b, c, d] = behind;
-    let of = |difference: &dyn Fn(usize) -> f64| std::array::from_fn(difference);
+    fn of(difference: impl Fn(usize) -> f64) -> Places {
+        std::array::from_fn(difference)
+    }
     [
-        b.map(|b| of(&|i| here[i] - b[i])),
-        b.zip(c).map(|(b, c)| of(&|i| (here[i] - b[i]) - (b[i] - c[i]))),
-        b.zip(c).zip(d).map(|((b, c), d)| of(&|i| (here[i] - d[i]) - 3.0 * (b[i] - c[i]))),
+        b.map(|b| of(|i| here[i] - b[i])),
+        b.zip(c).map(|(b, c)| of(|i| (here[i] - b[i]) - (b[i] - c[i]))),
+        b.zip(c).zip(d).map(|((b, c), d)| of(|i| (here[i] - d[i]) - 3.0 * (b[i] - c[i]))),
     ]
 }
 

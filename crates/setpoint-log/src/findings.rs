@@ -1,8 +1,8 @@
 //! What was found in a log.
 
-use limit_judge::StepPlace;
 use serde::Serialize;
 
+use crate::log_place::LogPlace;
 use crate::part_findings::PartFindings;
 
 /// A log as it was judged.
@@ -93,32 +93,6 @@ pub struct JudgedLimit {
     /// A log of positions within this, in mm, would decide whether the limit is kept, where this one does not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub decided_below_mm: Option<f64>,
-}
-
-/// A place in a log.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LogPlace {
-    /// The row, from 1, without a head.
-    pub row: u64,
-    /// The time, in s: that of the log if it has times, else since its first row.
-    pub time_s: f64,
-    /// The line of the program that the log names, if it names one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub line: Option<usize>,
-    /// Where the axes are, in mm.
-    pub point_mm: [f64; 3],
-}
-
-impl LogPlace {
-    /// Of a setpoint, in a log whose first has this time.
-    pub(crate) fn of(at: &StepPlace, begin_s: f64, period_s: f64) -> Self {
-        Self {
-            row: at.row,
-            time_s: begin_s + at.index as f64 * period_s,
-            line: (at.curve > 0).then_some(at.curve),
-            point_mm: at.point_mm,
-        }
-    }
 }
 
 /// Rows that are there twice, or missing.

@@ -13,7 +13,8 @@
 //! | `part_follower` | how far off is it, and how fast may it be there? | |
 //! | `along_path` | what is taken of acceleration and jerk along the path? | |
 //! | `judge` | are they kept? | [`judge()`], [`Log`], [`LogOptions`], [`Followed`] |
-//! | `findings` | what was found? | [`Judgement`], [`JudgedLimit`], [`LimitVerdict`], [`LogPlace`], [`Faults`], [`Standstills`] |
+//! | `findings` | what was found? | [`Judgement`], [`JudgedLimit`], [`LimitVerdict`], [`Faults`], [`Standstills`] |
+//! | `log_place` | where in a log? | [`LogPlace`] |
 //! | `part_findings` | how does the log follow a part? | [`PartFindings`], [`Off`], [`SkippedMoves`], [`LineFeed`] |
 //! | `log_error` | why can a log not be judged, and at which place? | [`LogError`] |
 //!
@@ -40,6 +41,7 @@ mod findings;
 mod in_order;
 mod judge;
 mod log_error;
+mod log_place;
 mod machine_limits;
 mod motan_log;
 mod nearest;
@@ -52,8 +54,9 @@ mod text;
 mod unit;
 
 pub use columns::ColumnMap;
-pub use findings::{Faults, JudgedLimit, Judgement, LimitVerdict, LogPlace, Standstills};
+pub use findings::{Faults, JudgedLimit, Judgement, LimitVerdict, Standstills};
 pub use judge::{Followed, Log, LogOptions, judge};
 pub use log_error::LogError;
+pub use log_place::LogPlace;
 pub use part_findings::{LineFeed, Off, PartFindings, SkippedMoves};
 pub use unit::LengthUnit;

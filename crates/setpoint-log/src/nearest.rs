@@ -74,7 +74,7 @@ impl<'p> Nearest<'p> {
     ///
     /// The nearest segment may be that of another curve than the nearest, so each that could be is looked at.
     pub(crate) fn distance(&self, point: &[f64; 3], within_mm: f64) -> f64 {
-        let mut near: Vec<(f64, usize)> = Vec::new();
+        let mut near: Vec<(f64, usize, f64)> = Vec::new();
         let mut least = within_mm;
         let centre = self.cell_of(point);
         let furthest = self.counts.into_iter().max().unwrap_or(0);
@@ -85,17 +85,20 @@ impl<'p> Nearest<'p> {
                 break;
             }
             self.look_at_ring(centre, ring, &mut |segment| {
-                let off_mm = foot(point, &self.path.ends(segment), 0.0).1.sqrt();
+                let (share, off_2) = foot(point, &self.path.ends(segment), 0.0);
+                let off_mm = off_2.sqrt();
                 if off_mm <= least + FLAT_MM {
                     least = least.min(off_mm);
-                    near.push((off_mm, segment));
+                    near.push((off_mm, segment, share));
                 }
             });
         }
-        near.retain(|(off_mm, _)| *off_mm <= least + FLAT_MM);
-        near.sort_unstable_by_key(|(_, segment)| *segment);
+        near.retain(|(off_mm, ..)| *off_mm <= least + FLAT_MM);
+        near.sort_unstable_by_key(|(_, segment, _)| *segment);
         near.dedup();
-        let exact = near.iter().map(|(off_mm, segment)| self.path.exact_distance(point, *segment, *off_mm));
+        let exact = near
+            .iter()
+            .map(|(off_mm, segment, share)| self.path.exact_distance(point, (*segment, *share), *off_mm));
         exact.reduce(f64::min).unwrap_or(within_mm)
     }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::findings::LogPlace;
+use crate::log_place::LogPlace;
 
 /// How a log follows a part.
 #[derive(Clone, Debug, Serialize)]

@@ -2,8 +2,8 @@
 
 use part_program::StatedLimits;
 
-use crate::findings::LogPlace;
 use crate::in_order::{InOrder, Way};
+use crate::log_place::LogPlace;
 use crate::nearest::Nearest;
 use crate::part_findings::{LineFeed, Off, PartFindings, SkippedMoves};
 use crate::part_path::{FLAT_MM, PartPath, distance};
@@ -97,6 +97,11 @@ impl<'p> PartFollower<'p> {
         let far_mm = (FAR * self.path.extent_mm).max(10.0 * FLAT_MM);
         let is_worse = |known: &Off, mm: f64| mm > known.mm || known.at.is_none();
         if off_mm <= far_mm && !is_worse(&self.nearest_off[kind], off_mm + FLAT_MM) {
+            return;
+        }
+        // The exact curve at the place decides whether it is worth to look at every other.
+        let own_mm = self.path.exact_distance(&at.point_mm, (way.segment, way.share), off_mm);
+        if own_mm <= far_mm && !is_worse(&self.nearest_off[kind], own_mm) {
             return;
         }
         let mm = self.nearest.distance(&at.point_mm, off_mm);

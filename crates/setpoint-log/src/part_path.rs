@@ -166,24 +166,29 @@ impl PartPath {
         self.segments.get(segment).is_none_or(|one| !one.is_gap && !self.moves[one.of_move].is_rapid)
     }
 
-    /// The distance of a point from the exact curve near a segment, in mm; `near_mm` is its distance from the segment.
+    /// The distance of a point from the exact curve near a place on a segment, in mm; `near_mm` is its distance from the segment.
     ///
-    /// Newton's iteration for the foot of the perpendicular, (C - P)·C' = 0, from the middle of the segment's parameters; what leaves the
+    /// Newton's iteration for the foot of the perpendicular, (C - P)·C' = 0, from the place's parameter; what leaves the
     /// curve's domain ends there. The least distance of all iterates counts, so it is never above the true one by more than the segment is
     /// from the curve.
-    pub(crate) fn exact_distance(&self, point: &[f64; 3], segment: usize, near_mm: f64) -> f64 {
+    pub(crate) fn exact_distance(
+        &self,
+        point: &[f64; 3],
+        (segment, share): (usize, f64),
+        near_mm: f64,
+    ) -> f64 {
         let Segment { of_move, u, .. } = self.segments[segment];
         let Some(curve) = &self.moves[of_move].curve else { return near_mm };
         let curve = curve.as_curve();
         let (begin, end) = curve.domain();
-        let (mut u, mut least) = (0.5 * (u[0] + u[1]), f64::INFINITY);
+        let (mut u, mut least) = (u[0] + share * (u[1] - u[0]), f64::INFINITY);
         for _ in 0..8 {
             let Derivatives { point: at, first, second, .. } = curve.derivatives(u);
             let off: [f64; 3] = std::array::from_fn(|axis| at[axis] - point[axis]);
             least = least.min(norm(&off));
             let slope = dot(&first, &first) + dot(&off, &second);
             let next = (u - dot(&off, &first) / slope).clamp(begin, end);
-            if slope <= 0.0 || !next.is_finite() || next == u {
+            if slope <= 0.0 || !next.is_finite() || (next - u).abs() <= 1e-12 * (end - begin) {
                 break;
             }
             u = next;

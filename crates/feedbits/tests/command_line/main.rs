@@ -11,6 +11,7 @@ mod convert;
 mod domains;
 #[cfg(unix)]
 mod files;
+mod judge;
 mod machines;
 #[cfg(unix)]
 mod names;
