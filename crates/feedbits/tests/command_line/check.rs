@@ -277,3 +277,45 @@ fn start_and_unit_can_be_given() {
         assert!(unfolded(&wrong.stderr).contains(expected), "{}", unfolded(&wrong.stderr));
     }
 }
+
+/// The tool's radius comes from a table, of LinuxCNC or in CSV, in the unit that belongs to it.
+#[test]
+fn a_tool_table_gives_the_radius_of_the_cutter() {
+    let folder = Folder::new();
+    let part = folder.file("p.ngc", "G21 G90 F600\nG0 X0 Y0 Z0\nG41 D3\nG1 X20\nX50\nG40\nX70\n");
+    let tables = [("t.tbl", "T3 P3 D4 ; end mill\n"), ("t.csv", "tool,radius_mm\n3,2\n")];
+    for (name, table) in tables {
+        let table = folder.file(name, table);
+        let output = check(&[&part, "--dialect", "linuxcnc", "--tools", &table]);
+        let said = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(0), "{said}{}", unfolded(&output.stderr));
+        // In and out across 2 mm, and 30 mm beside the contour.
+        let expected = format!("length      {:.3} mm at feed", 2.0 * 20.0_f64.hypot(2.0) + 30.0);
+        assert!(said.contains(&expected), "{expected} in\n{said}");
+    }
+    let wrong = folder.file("wrong.tbl", "T3 P3 D4\nT3 D5\n");
+    for (arguments, expected) in [
+        (&[part.as_str(), "--dialect", "linuxcnc"][..], "the radius of tool 3 is not known"),
+        (&[&part, "--tools", &wrong], "tool 3 is there twice"),
+        (&[&part, "--tools", "nothing.tbl"], "cannot read nothing.tbl"),
+    ] {
+        let output = check(arguments);
+        let said = unfolded(&output.stderr);
+        assert!(output.status.code() == Some(2) && said.contains(expected), "{expected} in\n{said}");
+    }
+}
+
+/// The limits that a slicer writes change nothing of the path.
+#[test]
+fn the_limits_of_a_printer_are_not_suspicious() {
+    let folder = Folder::new();
+    let head = "M201 X500 Y500 Z100\nM203 X200 Y200 Z12\nM204 P500 T500\nM205 X8 Y8\nG21\nG90\nM82\n";
+    let part = folder.file("p.gcode", format!("{head}G0 X0 Y0 Z0.2 F6000\nG1 X10 E1 F1200\nG1 X20 E2\n"));
+    let output = check(&[&part, "--units", "mm"]);
+    let said = text(&output.stdout);
+    assert!(output.status.code() == Some(0) && said.contains("nothing is suspicious"), "{said}");
+    assert!(
+        said.contains("noted") && unfolded(&output.stderr).contains("`M201` sets limits of the printer"),
+        "{said}"
+    );
+}

@@ -169,6 +169,10 @@ impl Reader<'_, '_, '_> {
                 ),
                 "longer moves, or a smaller tool",
             ),
+            Fault::TooManyAcross => (
+                "too many moves across the plane of the compensation in one place".into(),
+                "a move in the plane between them",
+            ),
         };
         self.report.error(span, message).expected(expected);
         self.compensation = None;

@@ -23,6 +23,12 @@ use crate::gcode::block_place::BlockPlace;
 use crate::gcode::contour::{Corner, Point, Segment, Sense, angle_between, arc_into, corner};
 use crate::moves::{MoveKind, Shape};
 
+/// Most moves across the plane whose place is open: a loop without a move in the plane would make more and more.
+const MAX_WAITING: usize = 100_000;
+
+/// A way, where it is entered, how much of it is left from there, in mm, and the moves whose ends are known with it.
+type Joined = (Segment, Point, f64, Vec<Beside>);
+
 /// A compensation that is in force.
 #[derive(Clone, Debug)]
 pub(crate) struct Compensation {
@@ -97,6 +103,8 @@ pub(crate) enum Fault {
     ArcTooSmall,
     /// The ways of two moves do not meet within both.
     NotReached,
+    /// More than [`MAX_WAITING`] moves go across the plane in one place.
+    TooManyAcross,
 }
 
 impl Compensation {
@@ -126,62 +134,78 @@ impl Compensation {
 
     /// Follows a move of the contour, from `here` if it is the first. Returns the moves whose ends are known now.
     pub(crate) fn follow(&mut self, one: ContourMove, here: [f64; 3]) -> Result<Vec<Beside>, Fault> {
-        let [first, second, normal] = self.plane.axes();
-        let in_plane = |point: [f64; 3]| [point[first], point[second]];
-        let (start, end) = (in_plane(one.start), in_plane(one.end));
-        let lifted = |[x, y]: Point, height: f64| {
-            let mut point = [0.0; 3];
-            (point[first], point[second], point[normal]) = (x, y, height);
-            point
-        };
-        let (low, high) = (one.start[normal], one.end[normal]);
+        let [_, _, normal] = self.plane.axes();
+        let (start, end) = (self.flat(one.start), self.flat(one.end));
         if start == end && one.about.is_none() {
-            let at = self.at().ok_or(Fault::EntryTooShort { length: 0.0 })?;
-            let to = lifted(in_plane(at), high);
-            self.waiting.push(Beside { from: at, to, about: None, what: one.beside });
-            return Ok(Vec::new());
+            return self.go_across(one);
         }
         let contour = Segment { start, end, about: one.about.map(|(centre, sense, _)| (centre, sense)) };
-        let around = |way: &Segment| {
-            let (centre, sense) = way.about?;
-            let angle = contour.length() / radius_at_start(&contour)?;
-            Some(Around { centre, sense, turns: one.about?.2, angle })
-        };
-        let mut done = Vec::new();
-        let (way, begin, left) = match self.last {
+        let (way, begin, left, mut done) = match self.last {
             None => {
-                let (way, length) = self.entry(&contour, in_plane(here))?;
-                (way, in_plane(here), length)
+                let (way, length) = self.entry(&contour, self.flat(here))?;
+                (way, self.flat(here), length, Vec::new())
             }
-            Some(last) => {
-                let way = contour.beside(self.distance).ok_or(Fault::ArcTooSmall)?;
-                let whole = way.length();
-                let bend = way.about.or(last.way.about).map(|(_, sense)| sense);
-                match corner(last.direction, contour.direction(start), bend, self.distance) {
-                    Corner::Smooth => (way, self.at().map_or(start, in_plane), whole),
-                    Corner::Outer => {
-                        done.append(&mut self.waiting);
-                        done.extend(self.around_corner(
-                            done.last(),
-                            start,
-                            lifted(way.start, low),
-                            one.beside,
-                        ));
-                        (way, way.start, whole)
-                    }
-                    Corner::Inner => {
-                        let meeting = last.way.last_meeting(last.left, &way).ok_or(Fault::NotReached)?;
-                        self.end_at(meeting);
-                        (way, meeting, whole - way.way_from_start(meeting))
-                    }
-                }
-            }
+            Some(last) => self.join(&last, &contour, &one)?,
         };
+        let about = way.about.zip(one.about).map(|((centre, sense), (_, _, turns))| {
+            let angle = contour.length() / radius(centre_of(&contour).unwrap_or(centre), start);
+            Around { centre, sense, turns, angle }
+        });
         done.append(&mut self.waiting);
-        let (from, to) = (lifted(begin, low), lifted(way.end, high));
-        self.waiting.push(Beside { from, to, about: around(&way), what: one.beside });
+        let (from, to) = (self.lifted(begin, one.start[normal]), self.lifted(way.end, one.end[normal]));
+        self.waiting.push(Beside { from, to, about, what: one.beside });
         self.last = Some(Last { way, left, direction: contour.direction(end) });
         Ok(done)
+    }
+
+    /// A move across the plane: it waits with the one before it.
+    fn go_across(&mut self, one: ContourMove) -> Result<Vec<Beside>, Fault> {
+        let [_, _, normal] = self.plane.axes();
+        let from = self.at().ok_or(Fault::EntryTooShort { length: 0.0 })?;
+        if self.waiting.len() >= MAX_WAITING {
+            return Err(Fault::TooManyAcross);
+        }
+        let to = self.lifted(self.flat(from), one.end[normal]);
+        self.waiting.push(Beside { from, to, about: None, what: one.beside });
+        Ok(Vec::new())
+    }
+
+    /// Joins the way beside a move to the last one: that way, where it begins, the length that is left of it, and the moves whose ends are
+    /// known now.
+    fn join(&mut self, last: &Last, contour: &Segment, one: &ContourMove) -> Result<Joined, Fault> {
+        let [_, _, normal] = self.plane.axes();
+        let way = contour.beside(self.distance).ok_or(Fault::ArcTooSmall)?;
+        let whole = way.length();
+        let bend = way.about.or(last.way.about).map(|(_, sense)| sense);
+        let start = contour.start;
+        match corner(last.direction, contour.direction(start), bend, self.distance) {
+            Corner::Smooth => Ok((way, self.at().map_or(start, |at| self.flat(at)), whole, Vec::new())),
+            Corner::Outer => {
+                let mut done = std::mem::take(&mut self.waiting);
+                let to = self.lifted(way.start, one.start[normal]);
+                done.extend(self.around_corner(done.last(), start, to, one.beside));
+                Ok((way, way.start, whole, done))
+            }
+            Corner::Inner => {
+                let meeting = last.way.last_meeting(last.left, &way).ok_or(Fault::NotReached)?;
+                self.end_at(meeting);
+                Ok((way, meeting, whole - way.way_from_start(meeting), Vec::new()))
+            }
+        }
+    }
+
+    /// A place in the plane.
+    fn flat(&self, point: [f64; 3]) -> Point {
+        let [first, second, _] = self.plane.axes();
+        [point[first], point[second]]
+    }
+
+    /// The place in space above one in the plane.
+    fn lifted(&self, [x, y]: Point, height: f64) -> [f64; 3] {
+        let [first, second, normal] = self.plane.axes();
+        let mut point = [0.0; 3];
+        (point[first], point[second], point[normal]) = (x, y, height);
+        point
     }
 
     /// The way of the first move, and the length before its end in which it may end earlier.
@@ -211,11 +235,9 @@ impl Compensation {
         to: [f64; 3],
         what: What,
     ) -> Option<Beside> {
-        let [first, second, _] = self.plane.axes();
         let from = last?.to;
         let sense = if self.distance > 0.0 { Sense::Clockwise } else { Sense::Counterclockwise };
-        let in_plane = |point: [f64; 3]| [point[first], point[second]];
-        let angle = angle_between(corner, in_plane(from), in_plane(to), sense);
+        let angle = angle_between(corner, self.flat(from), self.flat(to), sense);
         let around = Around { centre: corner, sense, turns: 1, angle };
         let about = Some(around).filter(|_| what.kind == MoveKind::Feed);
         Some(Beside { from, to, about, what: What { rests: false, ..what } })
@@ -268,6 +290,6 @@ fn radius(centre: Point, at: Point) -> f64 {
     (at[0] - centre[0]).hypot(at[1] - centre[1])
 }
 
-fn radius_at_start(arc: &Segment) -> Option<f64> {
-    arc.about.map(|(centre, _)| radius(centre, arc.start))
+fn centre_of(arc: &Segment) -> Option<Point> {
+    arc.about.map(|(centre, _)| centre)
 }

@@ -19,6 +19,7 @@
 use domains::shown;
 use domains::words::REPEATS;
 
+use crate::arc::Plane;
 use crate::curve::MAX_COORDINATE_MM;
 use crate::gcode::block::Block;
 use crate::gcode::cycle::Cycle;
@@ -55,6 +56,13 @@ impl Reader<'_, '_, '_> {
                 .expected("G94 before the cycle");
             self.pass_over(block);
             return;
+        }
+        if cycle == Cycle::Tap
+            && self.options.dialect == Some(Dialect::LinuxCnc)
+            && self.modal.plane != Plane::Xy
+        {
+            let message = "LinuxCNC 2.9 takes other axes than the cycle names when it taps in G18 and G19: it is read as it is written";
+            self.report.of_kind(false, span, "tap", message).hint("tap in G17, or with G33.1");
         }
         let [first, second, normal] = self.modal.plane.axes();
         let mut written = block.take_axes();

@@ -223,6 +223,11 @@ fn what_cannot_be_compensated_is_refused() {
         ("X20\nY0.5\nX0\n", "p.ngc:6", "does not reach the inner corner between lines 5 and 6"),
         ("X20\nY1.5\nX10\n", "p.ngc:7", "does not reach the inner corner between lines 6 and 7"),
         ("G3 X12 I1\n", "p.ngc:5", "a tool of radius 1 mm does not fit into this arc"),
+        (
+            "o1 while [1]\nZ1\nZ2\no1 endwhile\n",
+            "p.ngc:7",
+            "too many moves across the plane of the compensation",
+        ),
         ("G41.1 D2\n", "p.ngc:5", "the cutter is compensated already"),
         ("X20\nG40\nG2 X30 R9\n", "p.ngc:7", "the move behind a compensation is not straight"),
         ("G28\n", "p.ngc:5", "`G28` while the cutter is compensated"),

@@ -111,3 +111,16 @@ fn a_part_has_the_coordinates_of_its_first_move() {
         ends("G0 X0 Y0 Z0\nG10 L2 P2 X1 R90\nG55 G1 X2 Y0\nG2 X4 I1\nG91 G1 X1 Y1\nG54 G90 G1 X9 Y9");
     assert_eq!(turned, [[1.0, 2.0, 0.0], [1.0, 4.0, 0.0], [0.0, 5.0, 0.0], [9.0, 9.0, 0.0]]);
 }
+
+/// LinuxCNC 2.9 taps along other axes than the cycle names in G18 and G19, as its own tests have it. The cycle is read as it is written,
+/// and a warning says that the control goes elsewhere.
+#[test]
+fn tapping_in_another_plane_is_warned_of() {
+    let warned = |text: &str| {
+        linuxcnc(text).warnings.iter().any(|said| said.message.contains("when it taps in G18 and G19"))
+    };
+    for word in ["G84", "G74"] {
+        assert!(warned(&format!("G18 G21 F100 S9\nG0 X0 Y5 Z0\n{word} X5 Z6 Y-3 R2\n")), "{word}");
+        assert!(!warned(&format!("G17 G21 F100 S9\nG0 X0 Y0 Z5\n{word} X5 Y6 Z-3 R2\n")), "{word}");
+    }
+}
