@@ -89,6 +89,11 @@ impl Motion {
         pace: Pace,
         point: impl Fn(f64) -> [f64; 3],
     ) -> Self {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a motion takes some seconds"
+        )]
         let periods = (pace.takes_s(length) / PERIOD_S).ceil() as usize;
         self.0.extend((1..=periods).map(|index| (point(pace.way(length, index as f64 * PERIOD_S)), line)));
         self
