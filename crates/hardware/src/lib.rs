@@ -27,4 +27,3 @@ mod verilog;
 
 pub use compile::{CoreFiles, CoreRequest, Figures, compile};
 pub use error::CoreError;
-

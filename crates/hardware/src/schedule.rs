@@ -288,6 +288,7 @@ impl Builder<'_> {
                 _ => moves.push((*register, *value)),
             }
         }
+        self.homes_at_exits(&written);
         for (register, value) in moves {
             let task = self.task(Work::Home(register, value), SUM);
             if self.kept.contains(&value) {
@@ -316,6 +317,28 @@ impl Builder<'_> {
                     && self.item(row) == Item::Begin(register)
                 {
                     self.order(index, task, 1);
+                }
+            }
+        }
+    }
+
+    /// A value that exits leave in a register, which nothing else here asks for, goes there at once: those exits need no move.
+    fn homes_at_exits(&mut self, written: &HashSet<Register>) {
+        let graph = self.graph;
+        let mut used: HashSet<Register> = self.homes.values().copied().collect();
+        for deed in &graph.deeds {
+            let Deed::Exit { holds, .. } = deed else { continue };
+            for (register, value) in holds {
+                let is_free =
+                    !written.contains(register) && !graph.live.contains(register) && !used.contains(register);
+                let is_operation = matches!(self.item(*value), Item::Operation(..));
+                if is_free
+                    && is_operation
+                    && !self.homes.contains_key(value)
+                    && self.readers(*register).is_empty()
+                {
+                    self.homes.insert(*value, *register);
+                    used.insert(*register);
                 }
             }
         }

@@ -53,9 +53,9 @@ endfunction
 reg [WORD - 1:0] microcode [0:(1 << ADDRESS) - 1];
 initial $readmemh(MICROCODE, microcode);
 
-reg [ADDRESS - 1:0] next_address;
-reg [WORD - 1:0] word;
-reg word_valid;
+reg [ADDRESS - 1:0] next_address, ahead_next, word_next;
+reg [WORD - 1:0] ahead, word;
+reg ahead_valid, word_valid;
 reg [5:0] waited;
 reg taken;
 reg [ADDRESS - 1:0] target;
@@ -70,7 +70,8 @@ wire [FIELD - 1:0] c = word[0 +: FIELD];
 
 wire held = word_valid && ((op == WAIT_START && !start) || (op == WAIT_TAKEN && valid));
 wire is_last = word_valid && !held && waited == wait_for;
-wire fetch = taken || is_last || !word_valid;
+wire moves = is_last || !word_valid;
+wire fetch = taken || moves || !ahead_valid;
 wire [ADDRESS - 1:0] fetched = taken ? target : next_address;
 wire issue = word_valid && !held && waited == 0 && !taken;
 
@@ -78,29 +79,41 @@ assign idle = word_valid && op == WAIT_START && !taken;
 
 always @(posedge clk) begin
     if (fetch)
-        word <= microcode[fetched];
+        ahead <= microcode[fetched];
 end
 
 always @(posedge clk) begin
     if (reset) begin
         next_address <= 0;
+        ahead_valid <= 0;
         word_valid <= 0;
         waited <= 0;
-    end else if (fetch) begin
-        next_address <= fetched + 1'b1;
-        word_valid <= 1;
-        waited <= 0;
-    end else if (!held) begin
-        waited <= waited + 1'b1;
+    end else begin
+        if (fetch) begin
+            next_address <= fetched + 1'b1;
+            ahead_next <= fetched + 1'b1;
+            ahead_valid <= 1;
+        end
+        if (taken) begin
+            word_valid <= 0;
+            waited <= 0;
+        end else if (moves) begin
+            word <= ahead;
+            word_next <= ahead_next;
+            word_valid <= ahead_valid;
+            waited <= 0;
+        end else if (!held) begin
+            waited <= waited + 1'b1;
+        end
     end
 end
 
-// Registers and tables.
-reg [63:0] file_a [0:(1 << SLOT) - 1];
-reg [63:0] file_b [0:(1 << SLOT) - 1];
-reg [63:0] file_c [0:(1 << SLOT) - 1];
+// Registers and tables. No word is read in the cycle in which it is written: the order of the microcode sees to that.
+(* no_rw_check *) reg [63:0] file_a [0:(1 << SLOT) - 1];
+(* no_rw_check *) reg [63:0] file_b [0:(1 << SLOT) - 1];
+(* no_rw_check *) reg [63:0] file_c [0:(1 << SLOT) - 1];
 reg [TABLE - 1:0] pointers [0:{{ pointers - 1 }}];
-reg [63:0] rows [0:(1 << TABLE) - 1];
+(* no_rw_check *) reg [63:0] rows [0:(1 << TABLE) - 1];
 initial $readmemh(PART, rows);
 
 wire write;
@@ -155,7 +168,7 @@ always @(posedge clk) begin
     read_to <= to;
     read_literal <= {a, b};
     read_last <= c;
-    read_link <= next_address;
+    read_link <= word_next;
 end
 
 // Sums, comparisons and branches.
