@@ -36,8 +36,6 @@ pub(crate) struct Schedule {
     pub(crate) issues: Vec<(u32, Work)>,
     /// Registers in which values are computed at once.
     pub(crate) homes: HashMap<Value, Register>,
-    /// Columns that are loaded before they are used.
-    pub(crate) loaded: HashSet<Value>,
     /// Begins that are kept.
     pub(crate) kept: HashSet<Value>,
     pub(crate) end: u32,
@@ -59,7 +57,6 @@ struct Builder<'a> {
     of_value: HashMap<Value, usize>,
     of_deed: Vec<usize>,
     homes: HashMap<Value, Register>,
-    loaded: HashSet<Value>,
     kept: HashSet<Value>,
 }
 
@@ -72,7 +69,6 @@ pub(crate) fn schedule(graph: &Graph, ending: Ending, numbers: Numbers) -> Sched
         of_value: HashMap::new(),
         of_deed: Vec::new(),
         homes: HashMap::new(),
-        loaded: HashSet::new(),
         kept: HashSet::new(),
     };
     builder.values();
@@ -107,9 +103,8 @@ impl Builder<'_> {
     fn needs(&mut self, value: Value, by: usize, is_direct: bool) {
         match self.item(value) {
             Item::Operation(..) => {}
-            Item::Column(..) if !is_direct => {
-                self.loaded.insert(value);
-            }
+            // A second column is loaded before.
+            Item::Column(..) if !is_direct => {}
             Item::Column(row, _) => return self.needs(row, by, true),
             _ => return,
         }
@@ -434,7 +429,7 @@ impl Builder<'_> {
             }
             cycle += 1;
         }
-        Schedule { issues, homes: self.homes, loaded: self.loaded, kept: self.kept, end }
+        Schedule { issues, homes: self.homes, kept: self.kept, end }
     }
 }
 

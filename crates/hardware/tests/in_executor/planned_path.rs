@@ -4,7 +4,7 @@ use c_code::{CName, CPart, ExpectedRun};
 use feed_plan::Schedule;
 use hardware::{CoreError, CoreFiles, CoreRequest};
 use nurbs_core::{PieceLimits, compile_with_stops};
-use real::{DoubleDouble, RuntimeFixed, RuntimeFormat, word_of};
+use real::{Backend, DoubleDouble, FormatName, RuntimeFixed, RuntimeFormat, word_of};
 use secant_interp::{ChordTolerance, CompiledPath, PositionChecksum};
 use stress::{PlannedPath, RandomPath};
 
@@ -66,13 +66,13 @@ fn judged<const D: usize>(plan: &PlannedPath<'_, D>) -> Option<Judged> {
         feed_override: None,
     };
     let files = part.description().expect("a description");
-    let real::FormatName::Fixed { fraction_bits, .. } = <R as real::Real>::name() else { return None };
+    let FormatName::Fixed { fraction_bits, .. } = R::name() else { return None };
     let request = CoreRequest {
         header: &files.header,
         source: &files.source,
         name: "part",
         about: "a test",
-        bits: <R as real::Real>::name().bits(),
+        bits: R::name().bits(),
         fraction_bits,
         periods: run.periods,
         checksum: run.checksum,
