@@ -1,7 +1,7 @@
 //! Every raw word of every setpoint is the kernel's.
 
 use feed_plan::ProfileKind;
-use hardware::CoreFiles;
+use hardware::{CoreError, CoreFiles};
 use stress::RandomPath;
 
 use crate::paths::{corners, lines, paper_a, quintic, ten_points};
@@ -42,11 +42,15 @@ fn paper_a_takes_so_many_cycles() {
     assert!(figures.cycles.0 <= 170.0 && figures.cycles.1 <= 900, "{figures:?}");
 }
 
+/// Weights in space take more microcode than a branch can lead to: the part is refused with both figures.
 #[test]
-fn the_rational_cubic_in_space_runs_as_in_rust() {
-    for format in ["I4F28", "I4F20"] {
-        compared(&ten_points(), format);
-    }
+fn the_rational_cubic_in_space_is_refused_with_the_figure() {
+    let Judged { core, .. } = core_of(&ten_points(), "I4F28").expect("I4F28 holds the path");
+    let refusal = core.map(|core| core.figures).expect_err("it has no room");
+    assert!(
+        matches!(refusal, CoreError::TooMany { what: "words of microcode", needed: 8193.., most: 8192 }),
+        "{refusal}"
+    );
 }
 
 #[test]
