@@ -29,7 +29,8 @@ pub(crate) fn number_type(format: FormatName) -> Option<&'static str> {
 pub(crate) fn described_type(format: FormatName) -> Option<&'static str> {
     match format {
         FormatName::Fixed { integer_bits: integer_bits @ 2.., fraction_bits, .. }
-            if format == FormatName::fixed(integer_bits, fraction_bits) && (16..=32).contains(&format.bits()) =>
+            if format == FormatName::fixed(integer_bits, fraction_bits)
+                && (16..=32).contains(&format.bits()) =>
         {
             Some("int32_t")
         }

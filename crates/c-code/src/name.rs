@@ -37,7 +37,10 @@ impl fmt::Display for CError {
                 )
             }
             Self::NoWidth(format) => {
-                write!(f, "the core has no numbers of {format}: expected fixed point of 16 to 32 bits that rounds to nearest and wraps")
+                write!(
+                    f,
+                    "the core has no numbers of {format}: expected fixed point of 16 to 32 bits that rounds to nearest and wraps"
+                )
             }
             Self::Empty => f.write_str("the path has no pieces"),
             Self::Name(name) => write!(

@@ -413,7 +413,8 @@ impl Words {
             },
             (_, 8) => fixed("uint8_t", "uint32_t", "int32_t", "UINT32_MAX", 30),
             (_, 16) => fixed("uint16_t", "uint32_t", "int32_t", "UINT32_MAX", 30),
-            (_, 32) => fixed("uint32_t", "uint64_t", "int64_t", "UINT64_MAX", 62),
+            // Widths between words are described, not compiled.
+            (_, 17..=32) => fixed("uint32_t", "uint64_t", "int64_t", "UINT64_MAX", 62),
             _ => fixed("uint64_t", "wide", "int64_t", "", 0),
         }
     }

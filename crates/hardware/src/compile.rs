@@ -97,7 +97,9 @@ pub fn compile(request: &CoreRequest<'_>) -> Result<CoreFiles, CoreError> {
     if made.len() != request.periods || checksum != request.checksum {
         return Err(CoreError::Differs { periods: made.len(), checksum });
     }
-    if made.len() != run.setpoints.len() || made.iter().zip(&run.setpoints).any(|(made, words)| made.words != *words) {
+    if made.len() != run.setpoints.len()
+        || made.iter().zip(&run.setpoints).any(|(made, words)| made.words != *words)
+    {
         return Err(CoreError::Differs { periods: made.len(), checksum });
     }
     let Texts { core, microcode: words, part, testbench } =
@@ -124,7 +126,8 @@ fn checksum(request: &CoreRequest<'_>, made: &[Made]) -> Result<u64, CoreError> 
             registers[*register as usize] = *word;
         }
         executor::run_with(&positions.program, &mut registers, 0, MOST.0)?;
-        let axis = |axis: usize| positions.position.get(axis).map_or(0, |register| registers[*register as usize]);
+        let axis =
+            |axis: usize| positions.position.get(axis).map_or(0, |register| registers[*register as usize]);
         if positions.position.len() == 3 {
             checksum.add([axis(0), axis(1), axis(2)]);
         } else {

@@ -34,7 +34,12 @@ pub(crate) struct Positions {
 ///
 /// # Errors
 /// As [`program`].
-pub(crate) fn positions(header: &str, source: &str, name: &str, numbers: Numbers) -> Result<Positions, CoreError> {
+pub(crate) fn positions(
+    header: &str,
+    source: &str,
+    name: &str,
+    numbers: Numbers,
+) -> Result<Positions, CoreError> {
     let unit = unit(header, source)?;
     let mut front = Front::new(&unit, numbers)?;
     let function = format!("{name}_position");
@@ -71,7 +76,9 @@ impl Front<'_> {
     fn registers_in(&self, node: NodeId, found: &mut Vec<Register>) {
         match self.nodes.get(node) {
             Some(Node::Number(register, _)) => found.push(*register),
-            Some(Node::Struct(members)) => members.iter().for_each(|(_, member)| self.registers_in(*member, found)),
+            Some(Node::Struct(members)) => {
+                members.iter().for_each(|(_, member)| self.registers_in(*member, found))
+            }
             Some(Node::Array(parts)) => parts.iter().for_each(|part| self.registers_in(*part, found)),
             _ => {}
         }

@@ -77,7 +77,10 @@ impl fmt::Display for CoreError {
             }
             Self::NoStep { what } => write!(f, "the core has no {what}"),
             Self::Differs { periods, checksum } => {
-                write!(f, "the core's run of {periods} periods, checksum {checksum:#018x}, is not the part's: please report it")
+                write!(
+                    f,
+                    "the core's run of {periods} periods, checksum {checksum:#018x}, is not the part's: please report it"
+                )
             }
             Self::Endless { steps } => write!(f, "the run is not over after {steps} operations"),
         }

@@ -380,6 +380,11 @@ impl<'a> Front<'a> {
                 let value = value.ok_or_else(|| CoreError::subset(line, "index beyond the end"))?;
                 Ok(Value::Number(Operand::Constant(value), Kind::Short))
             }
+            // A pointer to a word of a row, as to the second of an array.
+            Target::Row { row, group, place, of: of @ Type::Number(_) } => {
+                let place = place + constant(index)?;
+                Ok(Value::Place(Target::Row { row: *row, group: *group, place, of: of.clone() }))
+            }
             Target::Row { .. } => Err(CoreError::subset(line, "index of what is no array")),
         }
     }

@@ -1,4 +1,19 @@
 //! `hardware`: the step of a compiled part as microcode for a small core, and the core in Verilog.
+//!
+//! [`compile`] takes the C that [`c-code`](https://docs.rs/c-code) writes, which is enough of a description: no recursion, loops with
+//! bounds, no arithmetic on pointers, and numbers only by named functions. It gives [`CoreFiles`], and runs the microcode over the
+//! whole part before.
+//!
+//! | files | make |
+//! |---|---|
+//! | `lexer`, `parser`, `syntax` | functions of the C's text |
+//! | `front`, `expressions`, `intrinsics`, `statements`, `calls`, `control` | blocks of operations on registers |
+//! | `tables`, `operation`, `program`, `arithmetic` | what such a program is, and what each operation gives |
+//! | `executor` | a run of the blocks, one operation after the other |
+//! | `paths`, `liveness`, `graph` | straight ways through the blocks, and the values in them, each once |
+//! | `timing`, `schedule`, `microcode`, `image` | words of microcode in their cycles, registers, and the table memory |
+//! | `machine` | a run of the microcode, cycle by cycle |
+//! | `verilog` | the texts, from `templates/core.v` and `templates/testbench.v` |
 
 mod arithmetic;
 mod calls;
@@ -15,6 +30,7 @@ mod lexer;
 mod liveness;
 mod machine;
 mod microcode;
+mod operation;
 mod parser;
 mod paths;
 mod program;
@@ -27,4 +43,3 @@ mod verilog;
 
 pub use compile::{CoreFiles, CoreRequest, Figures, compile};
 pub use error::CoreError;
-

@@ -36,8 +36,6 @@ pub(crate) struct Schedule {
     pub(crate) issues: Vec<(u32, Work)>,
     /// Registers in which values are computed at once.
     pub(crate) homes: HashMap<Value, Register>,
-    /// Columns that are loaded before they are used.
-    pub(crate) loaded: HashSet<Value>,
     /// Begins that are kept.
     pub(crate) kept: HashSet<Value>,
     pub(crate) end: u32,
@@ -59,7 +57,6 @@ struct Builder<'a> {
     of_value: HashMap<Value, usize>,
     of_deed: Vec<usize>,
     homes: HashMap<Value, Register>,
-    loaded: HashSet<Value>,
     kept: HashSet<Value>,
 }
 
@@ -72,7 +69,6 @@ pub(crate) fn schedule(graph: &Graph, ending: Ending, numbers: Numbers) -> Sched
         of_value: HashMap::new(),
         of_deed: Vec::new(),
         homes: HashMap::new(),
-        loaded: HashSet::new(),
         kept: HashSet::new(),
     };
     builder.values();
@@ -107,9 +103,8 @@ impl Builder<'_> {
     fn needs(&mut self, value: Value, by: usize, is_direct: bool) {
         match self.item(value) {
             Item::Operation(..) => {}
-            Item::Column(..) if !is_direct => {
-                self.loaded.insert(value);
-            }
+            // A second column is loaded before.
+            Item::Column(..) if !is_direct => {}
             Item::Column(row, _) => return self.needs(row, by, true),
             _ => return,
         }
@@ -288,6 +283,7 @@ impl Builder<'_> {
                 _ => moves.push((*register, *value)),
             }
         }
+        self.homes_at_exits(&written);
         for (register, value) in moves {
             let task = self.task(Work::Home(register, value), SUM);
             if self.kept.contains(&value) {
@@ -316,6 +312,28 @@ impl Builder<'_> {
                     && self.item(row) == Item::Begin(register)
                 {
                     self.order(index, task, 1);
+                }
+            }
+        }
+    }
+
+    /// A value that exits leave in a register, which nothing else here asks for, goes there at once: those exits need no move.
+    fn homes_at_exits(&mut self, written: &HashSet<Register>) {
+        let graph = self.graph;
+        let mut used: HashSet<Register> = self.homes.values().copied().collect();
+        for deed in &graph.deeds {
+            let Deed::Exit { holds, .. } = deed else { continue };
+            for (register, value) in holds {
+                let is_free =
+                    !written.contains(register) && !graph.live.contains(register) && !used.contains(register);
+                let is_operation = matches!(self.item(*value), Item::Operation(..));
+                if is_free
+                    && is_operation
+                    && !self.homes.contains_key(value)
+                    && self.readers(*register).is_empty()
+                {
+                    self.homes.insert(*value, *register);
+                    used.insert(*register);
                 }
             }
         }
@@ -411,7 +429,7 @@ impl Builder<'_> {
             }
             cycle += 1;
         }
-        Schedule { issues, homes: self.homes, loaded: self.loaded, kept: self.kept, end }
+        Schedule { issues, homes: self.homes, kept: self.kept, end }
     }
 }
 

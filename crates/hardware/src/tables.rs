@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use crate::error::CoreError;
+use crate::operation::{Numbers, Op, Operand};
 use crate::parser::{Unit, constant};
-use crate::program::{Numbers, Op, Operand};
 use crate::syntax::{Expression, Type, What};
 
 /// The tables of each group, by their names in C.

@@ -6,10 +6,10 @@ use crate::program::{Numbers, Op};
 pub(crate) const SUM: u32 = 3;
 /// Shifts take a second stage.
 pub(crate) const SHIFT: u32 = 4;
-/// Products: three stages.
-pub(crate) const PRODUCT: u32 = 5;
+/// Products: four stages.
+pub(crate) const PRODUCT: u32 = 6;
 /// A branch that is taken is followed by so many cycles in which nothing is issued.
-pub(crate) const BUBBLE: u32 = 3;
+pub(crate) const BUBBLE: u32 = 4;
 /// The longest wait that a word of microcode can ask for.
 pub(crate) const LONGEST_WAIT: u32 = 63;
 

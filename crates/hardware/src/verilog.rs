@@ -21,6 +21,7 @@ struct Core {
     bits: u32,
     fraction_bits: u32,
     table_bits: u32,
+    table_words: usize,
     field_bits: u32,
     slot_bits: u32,
     column_bits: u32,
@@ -78,13 +79,15 @@ pub(crate) fn texts(
         let most = 1 << (bits - 1);
         return Err(CoreError::TooMany { what: "words of tables", needed: image.words.len(), most });
     }
-    let outputs = || program.outputs.iter().map(|(name, bits)| Output { name: name.clone(), bits: *bits }).collect();
+    let outputs =
+        || program.outputs.iter().map(|(name, bits)| Output { name: name.clone(), bits: *bits }).collect();
     let core = Core {
         about: foreign_text::in_a_comment(about),
         version: env!("CARGO_PKG_VERSION"),
         bits,
         fraction_bits,
         table_bits,
+        table_words: image.words.len(),
         field_bits,
         slot_bits: SLOT_BITS,
         column_bits: microcode.column_bits,
@@ -95,8 +98,12 @@ pub(crate) fn texts(
         output_whole: OUTPUT_WHOLE,
         outputs: outputs(),
     };
-    let axis_names: Vec<_> =
-        program.outputs.iter().filter_map(|(name, _)| name.strip_prefix("offset_")).map(str::to_owned).collect();
+    let axis_names: Vec<_> = program
+        .outputs
+        .iter()
+        .filter_map(|(name, _)| name.strip_prefix("offset_"))
+        .map(str::to_owned)
+        .collect();
     let testbench = Testbench {
         periods,
         sections,

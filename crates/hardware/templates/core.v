@@ -4,7 +4,7 @@
 // part.hex. Registers have 64 bits. A number is a word of {{ bits }} bits with its sign in the bits above, {{ fraction_bits }} bits behind the point.
 //
 // A word of microcode is issued a cycle, unless the one before asks to wait. Stages: issue, in which rows and registers are addressed;
-// read, in which operands arrive; one stage for sums, two for shifts, three for products. Nothing is forwarded: words are ordered so
+// read, in which operands arrive; one stage for sums, two for shifts, four for products. Nothing is forwarded: words are ordered so
 // that a result is there when it is read, and that one result is written a cycle.
 `default_nettype none
 
@@ -53,9 +53,9 @@ endfunction
 reg [WORD - 1:0] microcode [0:(1 << ADDRESS) - 1];
 initial $readmemh(MICROCODE, microcode);
 
-reg [ADDRESS - 1:0] next_address;
-reg [WORD - 1:0] word;
-reg word_valid;
+reg [ADDRESS - 1:0] next_address, ahead_next, word_next;
+reg [WORD - 1:0] ahead, word;
+reg ahead_valid, word_valid;
 reg [5:0] waited;
 reg taken;
 reg [ADDRESS - 1:0] target;
@@ -70,7 +70,8 @@ wire [FIELD - 1:0] c = word[0 +: FIELD];
 
 wire held = word_valid && ((op == WAIT_START && !start) || (op == WAIT_TAKEN && valid));
 wire is_last = word_valid && !held && waited == wait_for;
-wire fetch = taken || is_last || !word_valid;
+wire moves = is_last || !word_valid;
+wire fetch = taken || moves || !ahead_valid;
 wire [ADDRESS - 1:0] fetched = taken ? target : next_address;
 wire issue = word_valid && !held && waited == 0 && !taken;
 
@@ -78,30 +79,57 @@ assign idle = word_valid && op == WAIT_START && !taken;
 
 always @(posedge clk) begin
     if (fetch)
-        word <= microcode[fetched];
+        ahead <= microcode[fetched];
 end
 
 always @(posedge clk) begin
     if (reset) begin
         next_address <= 0;
+        ahead_valid <= 0;
         word_valid <= 0;
         waited <= 0;
-    end else if (fetch) begin
-        next_address <= fetched + 1'b1;
-        word_valid <= 1;
-        waited <= 0;
-    end else if (!held) begin
-        waited <= waited + 1'b1;
+    end else begin
+        if (fetch) begin
+            next_address <= fetched + 1'b1;
+            ahead_next <= fetched + 1'b1;
+            ahead_valid <= 1;
+        end
+        if (taken) begin
+            word_valid <= 0;
+            waited <= 0;
+        end else if (moves) begin
+            word <= ahead;
+            word_next <= ahead_next;
+            word_valid <= ahead_valid;
+            waited <= 0;
+        end else if (!held) begin
+            waited <= waited + 1'b1;
+        end
     end
 end
 
-// Registers and tables.
-reg [63:0] file_a [0:(1 << SLOT) - 1];
-reg [63:0] file_b [0:(1 << SLOT) - 1];
-reg [63:0] file_c [0:(1 << SLOT) - 1];
+// Registers and tables. No word is read in the cycle in which it is written: the order of the microcode sees to that.
+(* no_rw_check *) reg [63:0] file_a [0:(1 << SLOT) - 1];
+(* no_rw_check *) reg [63:0] file_b [0:(1 << SLOT) - 1];
+(* no_rw_check *) reg [63:0] file_c [0:(1 << SLOT) - 1];
 reg [TABLE - 1:0] pointers [0:{{ pointers - 1 }}];
-reg [63:0] rows [0:(1 << TABLE) - 1];
+(* no_rw_check *) reg [63:0] rows [0:(1 << TABLE) - 1];
 initial $readmemh(PART, rows);
+`ifndef SYNTHESIS
+// Registers are written before they are read for anything that matters; a simulator that knows undefined words must not see them.
+integer each;
+initial begin
+    for (each = 0; each < (1 << SLOT); each = each + 1) begin
+        file_a[each] = 0;
+        file_b[each] = 0;
+        file_c[each] = 0;
+    end
+    for (each = 0; each < {{ pointers }}; each = each + 1)
+        pointers[each] = 0;
+    for (each = {{ table_words }}; each < (1 << TABLE); each = each + 1)
+        rows[each] = 0;
+end
+`endif
 
 wire write;
 wire [SLOT - 1:0] write_to;
@@ -155,7 +183,7 @@ always @(posedge clk) begin
     read_to <= to;
     read_literal <= {a, b};
     read_last <= c;
-    read_link <= next_address;
+    read_link <= word_next;
 end
 
 // Sums, comparisons and branches.
@@ -297,7 +325,7 @@ wire [63:0] of_shift = gives_none ? 64'd0 : saturates && |(turned & ~mask) ? 64'
 
 // Products.
 {% if bits > 18 -%}
-// Factors of 33 bits in parts of 17 and 16: four products, whose sum takes two stages.
+// Factors of 33 bits in parts of 17 and 16: four products, whose sum takes two stages; the last stage rounds.
 wire is_limb = x_op[5:4] == 3;
 wire [32:0] factor_a = is_limb ? {1'b0, x_op[2] ? x_a[63:32] : x_a[31:0]} : x_a[32:0];
 wire [32:0] factor_b = is_limb ? {1'b0, x_op[0] ? x_b[63:32] : x_b[31:0]} : x_b[32:0];
@@ -347,8 +375,21 @@ end
 
 wire [63:0] exact = sum_part;
 {%- endif %}
-wire [W - 1:0] nearest = exact[F +: W] + sum_c[W - 1:0] + {% raw %}{{{% endraw %}(W - 1){1'b0}}, exact[F - 1]};
-wire [63:0] of_product = sum_op == PRODUCT || sum_op == ROUNDED_SUM ? { {(64 - W){nearest[W - 1]}}, nearest} : exact;
+reg gives_product;
+reg [5:0] total_op;
+reg [FIELD - 1:0] total_to;
+reg [63:0] total, total_c;
+
+always @(posedge clk) begin
+    gives_product <= adds && !reset;
+    total_op <= sum_op;
+    total_to <= sum_to;
+    total_c <= sum_c;
+    total <= exact;
+end
+
+wire [W - 1:0] nearest = total[F +: W] + total_c[W - 1:0] + {{ "{{" }}(W - 1){1'b0}}, total[F - 1]};
+wire [63:0] of_product = total_op == PRODUCT || total_op == ROUNDED_SUM ? { {(64 - W){nearest[W - 1]}}, nearest} : total;
 
 // Quotients and roots, a bit a cycle.
 reg [5:0] left;
@@ -424,9 +465,9 @@ always @(posedge clk) begin
 end
 
 // One result a cycle.
-assign write = writes_sum || shifts || adds || gives;
-assign write_to = gives ? long_to[SLOT - 1:0] : adds ? sum_to[SLOT - 1:0] : shifts ? shift_to[SLOT - 1:0] : x_to[SLOT - 1:0];
-assign written = gives ? of_long : adds ? of_product : shifts ? of_shift : of_sum;
+assign write = writes_sum || shifts || gives_product || gives;
+assign write_to = gives ? long_to[SLOT - 1:0] : gives_product ? total_to[SLOT - 1:0] : shifts ? shift_to[SLOT - 1:0] : x_to[SLOT - 1:0];
+assign written = gives ? of_long : gives_product ? of_product : shifts ? of_shift : of_sum;
 
 endmodule
 

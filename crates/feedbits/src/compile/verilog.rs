@@ -39,7 +39,8 @@ where
     let Judged { problem, plan, options, format, about, fault } = judged;
     let FormatName::Fixed { fraction_bits, .. } = format.name() else { bail!("the core has no floats") };
     let name = CName::try_new("part")?;
-    let request = CRequest { name: name.clone(), about: about.clone(), fault: fault.clone(), is_description: true };
+    let request =
+        CRequest { name: name.clone(), about: about.clone(), fault: fault.clone(), is_description: true };
     let c = format.c_files(problem, plan, options, &request)?;
     let request = CoreRequest {
         header: &c.header,

@@ -667,6 +667,40 @@ fn a_part_is_compiled_to_c() {
     assert!(unfolded(&rust.stderr).contains("goes with --language c"), "{}", unfolded(&rust.stderr));
 }
 
+/// Only what concerns the command: that the core runs as Rust does is tested where it is made.
+#[test]
+fn a_part_is_compiled_to_a_core() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("step");
+    let compile = |arguments: &[&str]| {
+        let out = ["compile", "--language", "verilog", "--out", out.to_str().expect("a name")];
+        feedbits(&[&out[..], arguments].concat())
+    };
+    for (arguments, expected) in [
+        (vec!["--format", "f32"], "the core has no numbers of f32: expected fixed point of 16 to 32 bits"),
+        (vec!["--format", "I8F32"], "the core has no numbers of I8F32"),
+        (vec!["--format", "I4F28-floor"], "the core has no numbers of I4F28-floor"),
+        (vec!["--format", "I4F28", "--feed-override", "120"], "the core has no feed override and no hold"),
+        (vec!["--format", "I4F28", "--flash", "500"], "and --flash says 500: nothing is written"),
+    ] {
+        let output = compile(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(unfolded(&output.stderr).contains(expected), "{}", unfolded(&output.stderr));
+        assert!(!out.exists(), "{arguments:?}: nothing is written");
+    }
+    let nowhere = feedbits(&["compile", "--format", "I4F28", "--language", "verilog"]);
+    assert!(unfolded(&nowhere.stderr).contains("give --out FOLDER"), "{}", unfolded(&nowhere.stderr));
+    let output = compile(&["--format", "I4F28"]);
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    let read = |name: &str| fs::read_to_string(out.join(name)).expect("a file");
+    assert!(read("core.v").contains("module feedbits_core"));
+    assert!(read("testbench.v").contains("localparam PERIODS = 1621;"));
+    assert!([read("microcode.hex"), read("part.hex")].iter().all(|image| image.lines().count() > 1000));
+    let rust = text(&feedbits(&["compile", "--format", "I4F28", "--quiet"]).stdout);
+    let checksum = rust.split("CHECKSUM: u64 = ").nth(1).and_then(|rest| rest.get(..18)).expect("a checksum");
+    assert!(unfolded(&output.stderr).contains(checksum), "{checksum}: {}", unfolded(&output.stderr));
+}
+
 #[test]
 fn a_part_is_compiled_for_a_controller() {
     let folder = tempfile::tempdir().expect("a folder");
