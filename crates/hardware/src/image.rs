@@ -19,9 +19,9 @@ impl Image {
         for (group, layout) in microcode.layouts.iter().enumerate() {
             let base = words.len().next_multiple_of(1 << layout.bits);
             words.resize(base, 0);
-            addresses.push(base as i64);
-            for row in 0..program.tables.rows(group) {
-                words.extend(layout.columns.iter().map(|column| program.tables.word(*column, row as i64)));
+            addresses.push(i64::try_from(base).unwrap_or(i64::MAX));
+            for row in (0..).take(program.tables.rows(group)) {
+                words.extend(layout.columns.iter().map(|column| program.tables.word(*column, row)));
                 words.resize(words.len().next_multiple_of(1 << layout.bits), 0);
             }
         }

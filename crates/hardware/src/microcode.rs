@@ -205,11 +205,11 @@ impl Writer<'_> {
             }
         }
         for register in &pointers {
-            self.homes.insert(*register, self.next_pointer as Slot);
+            self.homes.insert(*register, slot_of(self.next_pointer));
             self.next_pointer += 1;
         }
         for register in others.difference(&pointers) {
-            self.homes.insert(*register, self.next_slot as Slot);
+            self.homes.insert(*register, slot_of(self.next_slot));
             self.next_slot += 1;
         }
         self.most_pointers = self.next_pointer;
@@ -224,7 +224,7 @@ impl Writer<'_> {
             _ => String::new(),
         };
         // Slots of constants are counted from the last one down.
-        let next = (SLOTS - 1 - self.loaded.len()) as Slot;
+        let next = slot_of((SLOTS - 1).saturating_sub(self.loaded.len()));
         self.loaded.entry(name).or_insert((item, next)).1
     }
 
@@ -236,7 +236,7 @@ impl Writer<'_> {
             layout.columns.push(column);
             layout.columns.len() - 1
         });
-        place as u16
+        slot_of(place)
     }
 
     fn home(&self, register: Register) -> Slot {
@@ -478,7 +478,7 @@ impl Writer<'_> {
                 self.most_slots = self.most_slots.max(slot + 1);
             }
             active.push((last.get(&value).copied().unwrap_or(*cycle).max(cycle + 1), class, slot));
-            slots.insert(value, slot as Slot);
+            slots.insert(value, slot_of(slot));
         }
         Ok(slots)
     }
@@ -505,7 +505,7 @@ impl Writer<'_> {
                 None => {
                     // A circle: one register is kept in a slot of no way.
                     let (to, _) = open[0];
-                    let kept = (SLOTS - 1 - self.loaded.len() - 8) as Slot;
+                    let kept = slot_of((SLOTS - 9).saturating_sub(self.loaded.len()));
                     words.push(plain(Action::Compute(Op::Move), kept, [Source::Slot(to); 3]));
                     for (_, from) in &mut open {
                         match from {
@@ -561,10 +561,10 @@ impl Writer<'_> {
         for (place, (_, slot)) in loaded.iter().enumerate() {
             let column = place % (1 << column_bits);
             if column == 0 {
-                let word = plain(Action::Load(place as i64), 0, nowhere).word;
+                let word = plain(Action::Load(i64::from(slot_of(place))), 0, nowhere).word;
                 self.drafts.push(Draft { word: Word { wait: SUM - 1, ..word }, target: None });
             }
-            let from = Source::Table { pointer: 0, column: column as u16 };
+            let from = Source::Table { pointer: 0, column: slot_of(column) };
             self.drafts.push(plain(Action::Compute(Op::Move), *slot, [from; 3]));
         }
         self.pause(SUM);
@@ -590,6 +590,11 @@ impl Writer<'_> {
             slots: needed,
         })
     }
+}
+
+/// A number of a slot or a column. One that is too large is refused when all are dealt out.
+fn slot_of(number: usize) -> Slot {
+    Slot::try_from(number).unwrap_or(Slot::MAX)
 }
 
 fn plain(action: Action, to: Slot, sources: [Source; 3]) -> Draft {

@@ -106,9 +106,7 @@ fn grown(program: &Program, run: &Run, head: BlockId, often: u64, leading: &Hash
             }
             _ => return Way { blocks },
         };
-        if all > 0 {
-            count = count * share / all;
-        }
+        count = (count * share).checked_div(all).unwrap_or(count);
         let is_alone = leading.get(&next) == Some(&1);
         let is_short = program.blocks[next].operations.len() <= SHORT;
         if blocks.contains(&next) || length > LONGEST || !(is_alone || count >= often || is_short) {

@@ -178,8 +178,7 @@ impl Builder<'_> {
             }
         }
         // What takes many cycles is over where the way is left, or has not begun.
-        for value in 0..graph.items.len() {
-            let value = value as Value;
+        for value in (0..).take(graph.items.len()) {
             let Some(task) = self.of_value.get(&value).copied() else { continue };
             if self.tasks[task].latency <= BUBBLE + SUM {
                 continue;
