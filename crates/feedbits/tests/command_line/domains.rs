@@ -179,6 +179,8 @@ fn commands(option: &str) -> Vec<Vec<&'static str>> {
         "--multipliers" | "--dividers" | "--clock" => vec![vec!["compare"], vec!["size"], vec!["sweep"]],
         "--start" => vec![vec!["check"], vec!["convert", "--to", "g1"]],
         "--override S" | "--override PERCENT" => vec![vec!["interpolate"]],
+        "judge --period" | "--resolution" => vec![vec!["judge", "--machine", "router"]],
+        "judge --tolerance" => vec![vec!["judge", "--machine", "router", "--part", "no-such-part.nc"]],
         _ => Vec::new(),
     }
 }

@@ -204,7 +204,7 @@ fn parts_that_are_not_run_are_named() {
     write(folder.path(), "rapid.nc", "G21 G0 X0 Y0\nX10 Y5\n");
     write(folder.path(), "wrong.nc", "G21 G0 X0 Y0\nG1 X5 Y F100\n");
     let huge = fs::File::create(folder.path().join("parts/huge.nc")).expect("a file");
-    huge.set_len(65 << 20).expect("a length");
+    huge.set_len(513 << 20).expect("a length");
     fs::write(folder.path().join("list"), "# parts of today\nparts\n\nparts/none.nc\n").expect("a list");
     let words =
         |parts: &'static str, more: &[&'static str]| [&["compare", parts], &FORMATS[..], more].concat();
@@ -216,7 +216,7 @@ fn parts_that_are_not_run_are_named() {
     for part in ["empty.nc: ", "rapid.nc: ", "wrong.nc: ", "huge.nc: ", "none.nc: "] {
         assert!(said.contains(&format!("- {part}")), "{part} in {said}");
     }
-    assert!(said.contains("longer than 64 MiB") && said.contains("wrong.nc:2:"), "{said}");
+    assert!(said.contains("longer than 512 MiB") && said.contains("wrong.nc:2:"), "{said}");
     assert_eq!(feedbits_in(folder.path(), &words("@list", &["--skip-refused"])).status.code(), Some(0));
 
     let set = json(folder.path(), &words("@list", &[]), 4);
