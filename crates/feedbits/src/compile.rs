@@ -83,7 +83,9 @@ impl Arguments {
     fn overrides(&self) -> Result<Option<Overrides>> {
         let Some(percent) = self.feed_override else { return Ok(None) };
         if self.language == Language::Verilog {
-            bail!("--feed-override goes with --language c or --stream: the core has no feed override and no hold");
+            bail!(
+                "--feed-override goes with --language c or --stream: the core has no feed override and no hold"
+            );
         }
         if self.language == Language::Rust && !self.stream {
             bail!(

@@ -250,13 +250,9 @@ where
     let datapath = arguments.datapath();
     let (found, plan) = sized(problem, &options, datapath, targets)?;
     let vectors = match arguments.vectors {
-        Some(_) => format_compare::register_vectors(
-            &found.sizing,
-            problem,
-            &plan,
-            &options,
-            datapath.rounding,
-        )?,
+        Some(_) => {
+            format_compare::register_vectors(&found.sizing, problem, &plan, &options, datapath.rounding)?
+        }
         None => None,
     };
     progress.finish();

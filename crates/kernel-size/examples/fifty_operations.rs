@@ -45,6 +45,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let compared_in = start.elapsed();
     let sizing = size(&Cascade)?;
     println!("{compared}\n{sizing}");
-    println!("{operations} operations a step; compared in {compared_in:.2?}, sized in {:.2?}, {} runs", start.elapsed() - compared_in, sizing.runs);
+    println!(
+        "{operations} operations a step; compared in {compared_in:.2?}, sized in {:.2?}, {} runs",
+        start.elapsed() - compared_in,
+        sizing.runs
+    );
     Ok(())
 }

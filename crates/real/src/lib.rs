@@ -89,9 +89,9 @@ mod runtime_format;
 mod shadow;
 mod square_root;
 mod trigonometry;
-mod word;
 #[cfg(feature = "std")]
 mod watch;
+mod word;
 #[cfg(feature = "std")]
 mod wrapper;
 

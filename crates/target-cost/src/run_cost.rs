@@ -141,7 +141,9 @@ pub fn cost(run: &RecordedRun, target: &Target, format: FormatName, period_s: Op
         level: if target.calibrated { CostSource::ScheduledOnCountedCosts } else { CostSource::Scheduled },
         microseconds_max: clock.map(|mhz| max.typical / mhz.typical),
         microseconds_range: clock.map(|mhz| [max.low / mhz.high, max.high / mhz.low]),
-        share_of_period: clock.zip(period_s).map(|(mhz, period_s)| max.typical / mhz.typical * 1e-6 / period_s),
+        share_of_period: clock
+            .zip(period_s)
+            .map(|(mhz, period_s)| max.typical / mhz.typical * 1e-6 / period_s),
         dominating,
         dominating_share: if all > 0.0 { most / all } else { 0.0 },
         dsp_blocks: fpga.then(|| priced.iter().map(|(step, _)| step.dsp_blocks).max().unwrap_or(0)),

@@ -36,7 +36,8 @@ impl Kernel for Biquad {
         let (alpha, cosine) = (angle.sin() / 2.0_f64.sqrt(), angle.cos());
         let of = |value: f64| value / (1.0 + alpha);
         let b0 = steps.constant("b0", of((1.0 - cosine) / 2.0));
-        let [a1, a2] = [("a1", of(-2.0 * cosine)), ("a2", of(1.0 - alpha))].map(|(name, value)| steps.constant(name, value));
+        let [a1, a2] = [("a1", of(-2.0 * cosine)), ("a2", of(1.0 - alpha))]
+            .map(|(name, value)| steps.constant(name, value));
         let (mut x, mut y) = ([R::zero(); 2], [R::zero(); 2]);
         while let Some([current]) = steps.begin() {
             let products = [(b0, current), (b0 + b0, x[0]), (b0, x[1]), (-a1, y[0]), (-a2, y[1])];

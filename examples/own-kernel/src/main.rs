@@ -25,7 +25,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     for target in &targets {
         match &priced.targets[&target.name] {
             Cost::Known(cost) => println!("{:14} {:5.0} {:?}", target.name, cost.max, cost.measure),
-            Cost::Unknown { unknown } => println!("{:14} unknown: nobody has published what {unknown} costs", target.name),
+            Cost::Unknown { unknown } => {
+                println!("{:14} unknown: nobody has published what {unknown} costs", target.name)
+            }
         }
     }
     if let Some(file) = std::env::args().nth(1) {

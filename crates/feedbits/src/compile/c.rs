@@ -51,7 +51,8 @@ where
 {
     let Judged { problem, plan, options, format, about, fault } = judged;
     let CPlace { name, header, source } = place;
-    let request = CRequest { name: name.clone(), about: about.clone(), fault: fault.clone(), is_description: false };
+    let request =
+        CRequest { name: name.clone(), about: about.clone(), fault: fault.clone(), is_description: false };
     let files = format.c_files(problem, plan, options, &request)?;
     expect_room(files.table_bytes, flash)?;
     progress.finish();

@@ -1,6 +1,8 @@
 //! Errors, steps, costs and bits that are known beforehand.
 
-use kernel_size::{Input, InputError, Kernel, Language, Output, Steps, built_in, compare, named, price, size, vectors};
+use kernel_size::{
+    Input, InputError, Kernel, Language, Output, Steps, built_in, compare, named, price, size, vectors,
+};
 use real::{Backend, I8F24, I16F16, Real};
 use target_cost::{Cost, built_in as targets};
 

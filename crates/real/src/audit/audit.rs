@@ -65,8 +65,7 @@ impl Audit {
     /// The audit that a record ends with.
     fn of_record(record: Record) -> Self {
         let Record { overflows, underflows, divisions_by_zero, first_overflow, signals, .. } = record;
-        let mut audit =
-            Audit { overflows, underflows, divisions_by_zero, first_overflow, ..Self::default() };
+        let mut audit = Audit { overflows, underflows, divisions_by_zero, first_overflow, ..Self::default() };
         for mut signal in signals {
             signal.include_newest();
             signal.include_words();
