@@ -181,8 +181,8 @@ impl OfEachPart for SizeEach<'_> {
 
 /// Searches for one part and prints the result.
 fn run_one(input: &Input, arguments: &Arguments) -> Result<Ending> {
-    let out = arguments.output.place()?;
     let folder = arguments.vectors.as_deref().map(vectors_folder).transpose()?;
+    let out = arguments.output.place()?;
     let part = input.text()?;
     let baseline = arguments.baseline.read("size", &part)?;
     let targets = arguments.targets.read()?;

@@ -88,7 +88,7 @@ fn list(all: &[Found]) -> String {
 fn one(found: &Found) -> String {
     let Found { report, as_reported, cured } = found;
     let said = match as_reported.good_formats.is_empty() {
-        true => format!("No format cures {}.", report.name),
+        true => format!("None of the formats that ran cures {}.", report.name),
         false => format!("{} is cured by {}.", report.name, cured_by(as_reported)),
     };
     screen::answer(&said)

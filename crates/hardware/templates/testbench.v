@@ -10,6 +10,8 @@ module testbench;
 localparam PERIODS = {{ periods }};
 localparam SECTIONS = {{ sections }};
 localparam DIGITS = {{ number_digits }};
+// No setpoint takes as many cycles.
+localparam MOST_CYCLES = 1000000;
 localparam AXES = {{ axes }};
 localparam ROW = 32 + 32 + 32 + 8 + 64 + 4 * DIGITS * (AXES + 1) + 64 * AXES;
 // The columns behind the phase: the length, the offsets, the positions.
@@ -50,30 +52,47 @@ task differs(input [8 * 16 - 1:0] name, input [63:0] found, input [63:0] expecte
     begin
         $display("period %0d: %0s is %h, expected %h", period, name, found, expected);
         $display("DIFFERS");
-        $finish;
+        failed;
+    end
+endtask
+
+// Ends the run with a status that is not 0: Icarus has a task of its own for that, and Verilator ends so at a stop.
+task failed;
+    begin
+`ifdef __ICARUS__
+        $finish_and_return(1);
+`else
+        $stop;
+`endif
     end
 endtask
 
 initial begin
     if (!$value$plusargs("vectors=%s", path)) begin
         $display("give +vectors=FOLDER/periods.hex of feedbits interpolate --vectors FOLDER");
-        $finish;
+        failed;
     end
     $readmemh(path, rows);
 end
 
 always @(posedge clk) begin
     cycle <= cycle + 1;
+    if (cycle - asked > MOST_CYCLES) begin
+        $display("DIFFERS: no setpoint of period %0d in %0d cycles; is microcode.hex in this folder?", period, MOST_CYCLES);
+        failed;
+    end
     reset <= cycle < 4;
     start <= 0;
     ready <= 0;
     if (cycle > 8 && idle && !start) begin
         if (section == SECTIONS || period == PERIODS) begin
-            if (period == PERIODS)
+            if (period == PERIODS) begin
                 $display("EQUAL: %0d periods; cycles a period: mean %0d, worst %0d", period, all / PERIODS, worst);
-            else
+                $finish;
+            end else begin
                 $display("DIFFERS: the run ends after %0d periods, expected %0d", period, PERIODS);
-            $finish;
+                failed;
+            end
         end
         start <= 1;
         asked <= cycle;
@@ -89,20 +108,26 @@ always @(posedge clk) begin
         row = rows[period];
         if (period >= PERIODS)
             differs("period", period, PERIODS);
+        else if (^row === 1'bx) begin
+            $display("DIFFERS: the vectors have no row of period %0d, of %0d that are expected", period, PERIODS);
+            failed;
+        end
+        if (row[ROW - 1 -: 32] !== period)
+            differs("row", row[ROW - 1 -: 32], period);
         // At the end of a section the rows name the piece behind it, the core the last one.
-        is_last = period + 1 == PERIODS || rows[period + 1][ROW - 33 -: 32] != row[ROW - 33 -: 32];
-        if (row[ROW - 33 -: 32] != section - 1'b1)
+        is_last = period + 1 == PERIODS || rows[period + 1][ROW - 33 -: 32] !== row[ROW - 33 -: 32];
+        if (row[ROW - 33 -: 32] !== section - 1'b1)
             differs("section", section - 1'b1, row[ROW - 33 -: 32]);
-        if (piece != row[ROW - 65 -: 32] && !(is_last && piece + 1 == row[ROW - 65 -: 32]))
+        if (piece !== row[ROW - 65 -: 32] && !(is_last && piece + 1 == row[ROW - 65 -: 32]))
             differs("piece", piece, row[ROW - 65 -: 32]);
-        if (evaluations != row[ROW - 97 -: 8])
+        if (evaluations !== row[ROW - 97 -: 8])
             differs("evaluations", evaluations, row[ROW - 97 -: 8]);
-        if (phase != row[PHASE +: 64])
+        if (phase !== row[PHASE +: 64])
             differs("phase", phase, row[PHASE +: 64]);
-        if (length != row[LENGTH +: {{ bits }}])
+        if (length !== row[LENGTH +: {{ bits }}])
             differs("length", length, row[LENGTH +: {{ bits }}]);
 {%- for axis in axis_names %}
-        if (offset_{{ axis }} != row[64 * AXES + 4 * DIGITS * (AXES - 1 - {{ loop.index0 }}) +: {{ bits }}])
+        if (offset_{{ axis }} !== row[64 * AXES + 4 * DIGITS * (AXES - 1 - {{ loop.index0 }}) +: {{ bits }}])
             differs("offset_{{ axis }}", offset_{{ axis }}, row[64 * AXES + 4 * DIGITS * (AXES - 1 - {{ loop.index0 }}) +: {{ bits }}]);
 {%- endfor %}
         period <= period + 1;

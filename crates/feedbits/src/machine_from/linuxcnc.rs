@@ -66,14 +66,14 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
         None => lesser(&settings, &accelerations, "[TRAJ] MAX_LINEAR_ACCELERATION or MAX_ACCELERATION")?,
     };
     let commanded = [
-        "TRAJ.DEFAULT_LINEAR_VELOCITY",
-        "TRAJ.DEFAULT_VELOCITY",
         "TRAJ.MAX_LINEAR_VELOCITY",
         "TRAJ.MAX_VELOCITY",
+        "TRAJ.DEFAULT_LINEAR_VELOCITY",
+        "TRAJ.DEFAULT_VELOCITY",
     ];
     let feedrate = match settings.scaled(&commanded, unit, &FEEDRATE)? {
         Some(taken) => taken,
-        None => lesser(&settings, &velocities, "[TRAJ] DEFAULT_LINEAR_VELOCITY or MAX_VELOCITY")?,
+        None => lesser(&settings, &velocities, "[TRAJ] MAX_LINEAR_VELOCITY or DEFAULT_LINEAR_VELOCITY")?,
     };
     let period_ms = match settings.scaled(&["EMCMOT.SERVO_PERIOD"], 1e-6, &PERIOD)? {
         Some(taken) => Said::of(taken, " ns"),
@@ -226,7 +226,7 @@ SCALE = 400 0
     #[test]
     fn a_file_of_linuxcnc_makes_its_machine() {
         let (machine, made) = machine_of("mill.ini", SMALL);
-        assert_eq!((machine.feedrate_mm_per_s, machine.acceleration_mm_per_s2), (40.0, 800.0));
+        assert_eq!((machine.feedrate_mm_per_s, machine.acceleration_mm_per_s2), (90.0, 800.0));
         assert_eq!((machine.jerk_mm_per_s3, machine.interpolation_period_ms), (32_000.0, 0.5));
         assert_eq!((machine.position_increment_mm, machine.junction), (0.005, Junction::DeviationMm(0.02)));
         assert_eq!(
@@ -248,7 +248,7 @@ SCALE = 400 0
             .replace("[RS274NGC]\nRS274NGC_STARTUP_CODE = G21 G40 G64 P0.02\n", "#INCLUDE more.inc\n")
             .replace("trivkins", "5axiskins");
         let (machine, made) = machine_of("mill.ini", &text);
-        assert_eq!((machine.feedrate_mm_per_s, machine.jerk_mm_per_s3), (1016.0, 25_400.0));
+        assert_eq!((machine.feedrate_mm_per_s, machine.jerk_mm_per_s3), (2286.0, 25_400.0));
         assert!((machine.axes.x.velocity_mm_per_s.unwrap() - 90.0 * 25.4).abs() < 1e-4);
         assert!(
             (machine.position_increment_mm - 25.4 / 200.0).abs() < 1e-8,

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
+use crate::claims;
 use crate::files::{self, MOST_OF_SMALL};
 use crate::input::{Input, Reading};
 use crate::output;
@@ -109,6 +110,9 @@ impl Parts {
 
     /// The files of the set in the order of the call, those of a folder in the order of their names. A file that is named twice is taken
     /// once. A note says what of the folders is left out.
+    ///
+    /// # Errors
+    /// If a folder or a list cannot be read, or this call writes one of the files.
     pub(crate) fn files(&self) -> Result<Vec<PartFile>> {
         let mut found = Found::default();
         for part in &self.parts {
@@ -121,8 +125,15 @@ impl Parts {
         if found.parts.is_empty() {
             bail!("no part is given: expected files, folders that hold some, or @LIST");
         }
+        found.parts.iter().try_for_each(|part| expect_only_read(&part.path))?;
         Ok(found.parts)
     }
+}
+
+/// Refuses a part that this call writes: as one of many it would count as a part that cannot be read, and be lost. A part that cannot be
+/// opened is counted later.
+fn expect_only_read(part: &Path) -> Result<()> {
+    fs::File::open(part).map_or(Ok(()), |file| claims::read("the part", part, &file))
 }
 
 /// The file of a list, if a word names one: a file whose own name begins with `@` is a part.

@@ -585,3 +585,21 @@ fn a_set_that_is_killed_while_it_works_ends_the_same() {
     let resumed = feedbits_in(folder.path(), &words);
     assert_eq!(text(&resumed.stdout), text(&straight), "{}", unfolded(&resumed.stderr));
 }
+
+/// The result went over a part of the set once: the part counted as one that cannot be read.
+#[test]
+fn no_part_of_a_set_is_written_over() {
+    let folder = letters(2);
+    fs::write(folder.path().join("list"), "parts\n").expect("a list");
+    let before = fs::read(folder.path().join("parts/letter-0.nc")).expect("a part");
+    for parts in [vec!["parts"], vec!["@list"], vec!["parts/letter-0.nc", "parts/letter-1.nc"]] {
+        for command in [&["compare", "--formats", "I8F24"][..], &["compare", "--json"], &["size"]] {
+            let words = [command, &parts, &["--machine", "m.toml", "--out", "parts/letter-0.nc"]].concat();
+            let output = feedbits_in(folder.path(), &words);
+            assert_eq!(output.status.code(), Some(2), "{words:?}");
+            let said = unfolded(&output.stderr);
+            assert!(said.contains("is the same file as"), "{words:?}: {said}");
+            assert_eq!(fs::read(folder.path().join("parts/letter-0.nc")).expect("a part"), before);
+        }
+    }
+}

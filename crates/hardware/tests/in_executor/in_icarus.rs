@@ -68,4 +68,16 @@ fn the_core_gives_what_the_executor_gives() {
         assert_eq!(*found, expected, "period {period}");
     }
     assert_eq!(found.len(), core.setpoints.len());
+
+    // A row that is not there is unknown to a simulator, and unknown is not equal.
+    std::fs::write(folder.path().join("testbench.v"), &core.testbench).expect("a file");
+    run("iverilog", &["-g2005", "-s", "testbench", "-o", "played", "core.v", "testbench.v"]);
+    let played =
+        Command::new("vvp").args(["played", "+vectors=/dev/null"]).current_dir(folder.path()).output();
+    let played = played.expect("a program");
+    let said = String::from_utf8_lossy(&played.stdout);
+    assert!(
+        !played.status.success() && said.contains("DIFFERS: the vectors have no row of period 0"),
+        "{said}"
+    );
 }
