@@ -1,6 +1,7 @@
 //! `feedbits merge`: joins the files of shards, of a sweep or of a set of parts.
 
 use std::collections::BTreeMap;
+use std::iter;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
@@ -10,6 +11,7 @@ use format_report::{Sweep, SweepCell};
 
 use crate::ending::Ending;
 use crate::places::Place;
+use crate::resumed_file::Begun;
 use crate::set::known::{Known, SetOfParts};
 use crate::sweep::Places;
 use crate::{output, report, resumed_file, sweep};
@@ -33,23 +35,32 @@ pub(crate) struct Arguments {
 
 /// Joins the files and writes the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    match arguments.files.first() {
-        Some(first) if resumed_file::is_of::<SetOfParts>(first)? => join_sets(arguments),
-        _ => join_sweeps(arguments),
+    let Some((first, others)) = arguments.files.split_first() else { bail!("expected at least one file") };
+    let first = Begun::open(first)?;
+    if first.is_of::<SetOfParts>() {
+        join_sets(arguments, first, others)
+    } else {
+        join_sweeps(arguments, first, others)
     }
 }
 
+/// The files, of which the first is open.
+fn opened<'a>(first: Begun, others: &'a [PathBuf]) -> impl Iterator<Item = Result<Begun>> + use<'a> {
+    iter::once(Ok(first)).chain(others.iter().map(|path| Begun::open(path)))
+}
+
 /// Joins the files of a set of parts.
-fn join_sets(arguments: &Arguments) -> Result<Ending> {
+fn join_sets(arguments: &Arguments, first: Begun, others: &[PathBuf]) -> Result<Ending> {
     if arguments.report.is_some() {
         bail!("--report: a report is of a sweep: expected the files of one, or no --report");
     }
     let (place, terminal) = (Place::named("--out", Some(&arguments.out))?, Place::terminal()?);
     let mut joined: Option<(SetOfParts, String)> = None;
     let mut known = Known::default();
-    for path in &arguments.files {
-        let name = path.display().to_string();
-        let (set, lines): (SetOfParts, _) = resumed_file::read(path)?;
+    for file in opened(first, others) {
+        let file = file?;
+        let name = file.name().to_string();
+        let (set, lines): (SetOfParts, _) = file.read()?;
         match &joined {
             Some((first, of)) if *first != set => bail!(
                 "{of} and {name} are of different sets: expected the same parts, machine, formats and options"
@@ -83,7 +94,7 @@ fn join_sets(arguments: &Arguments) -> Result<Ending> {
 }
 
 /// Joins the files of a sweep.
-fn join_sweeps(arguments: &Arguments) -> Result<Ending> {
+fn join_sweeps(arguments: &Arguments, first: Begun, others: &[PathBuf]) -> Result<Ending> {
     let places = Places {
         folder: report::folder(arguments.report.as_deref())?,
         file: Place::named("--out", Some(&arguments.out))?,
@@ -91,9 +102,10 @@ fn join_sweeps(arguments: &Arguments) -> Result<Ending> {
     };
     let mut joined = None;
     let mut cells: BTreeMap<usize, (SweepCell, String)> = BTreeMap::new();
-    for path in &arguments.files {
-        let name = path.display().to_string();
-        let (plan, found): (Sweep, _) = resumed_file::read(path)?;
+    for file in opened(first, others) {
+        let file = file?;
+        let name = file.name().to_string();
+        let (plan, found): (Sweep, _) = file.read()?;
         match &joined {
             None => joined = Some((plan, name.clone())),
             Some((first, of)) if *first != plan => bail!(

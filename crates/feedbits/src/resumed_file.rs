@@ -5,7 +5,7 @@
 //! line in which a digit was changed is told from one that was written.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
@@ -171,25 +171,39 @@ fn lock<W: Work>(file: &File, path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Whether the first line of a file is that of such work.
-pub(crate) fn is_of<W: Work>(path: &Path) -> Result<bool> {
-    let name = path.display().to_string();
-    let mut lines = Lines {
-        source: BufReader::new(files::open("the file", path)?),
-        what: W::NAME,
-        number: 0,
-        whole: 0,
-        last: Vec::new(),
-    };
-    Ok(lines.advance(&name)? && read_line::<W>(&lines.last, W::LINE, W::NAME).is_ok())
+/// A file of some work, of which the first line was read: a pipe gives it once.
+pub(crate) struct Begun {
+    name: String,
+    /// The first line, or what there is of it.
+    first: Vec<u8>,
+    rest: BufReader<File>,
 }
 
-/// Reads the file of a work. Its last line may be torn, or still be written.
-pub(crate) fn read<W: Work>(path: &Path) -> Result<Found<W>> {
-    let name = path.display();
-    let file = files::open("the file", path)?;
-    let (found, _) = parsed(&name.to_string(), BufReader::new(file))?;
-    found.with_context(|| format!("{name}: expected the file of a {}, found no line of it", W::NAME))
+impl Begun {
+    /// Opens a file and reads its first line.
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        let name = path.display().to_string();
+        let source = BufReader::new(files::open("the file", path)?);
+        let mut lines = Lines { source, what: "sweep or a set", number: 0, whole: 0, last: Vec::new() };
+        lines.advance(&name)?;
+        Ok(Self { name, first: lines.last, rest: lines.source })
+    }
+
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether the first line is that of such work.
+    pub(crate) fn is_of<W: Work>(&self) -> bool {
+        read_line::<W>(&self.first, W::LINE, W::NAME).is_ok()
+    }
+
+    /// Reads the file of a work. Its last line may be torn, or still be written.
+    pub(crate) fn read<W: Work>(self) -> Result<Found<W>> {
+        let Self { name, first, rest } = self;
+        let (found, _) = parsed(&name, Cursor::new(first).chain(rest))?;
+        found.with_context(|| format!("{name}: expected the file of a {}, found no line of it", W::NAME))
+    }
 }
 
 /// What the work is, and the lines of it in the file.

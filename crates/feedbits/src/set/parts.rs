@@ -176,6 +176,12 @@ impl Found {
     }
 
     fn add_file(&mut self, path: &Path) -> Result<()> {
+        if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+            bail!(
+                "{}: a part of a set is read more than once: expected a file, not a pipe or a device",
+                path.display()
+            );
+        }
         let same = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         if !self.known.insert(same) {
             return Ok(());

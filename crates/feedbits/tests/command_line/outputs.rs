@@ -52,7 +52,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
 }
 
 /// Runs a script, in which `feedbits` is the program.
-fn in_shell(folder: &Path, script: &str) -> Output {
+pub(crate) fn in_shell(folder: &Path, script: &str) -> Output {
     let programs = Path::new(PROGRAM).parent().expect("a folder").display();
     let path = format!("{programs}:{}", std::env::var("PATH").unwrap_or_default());
     let mut shell = Command::new("sh");

@@ -603,3 +603,27 @@ fn no_part_of_a_set_is_written_over() {
         }
     }
 }
+
+/// A pipe gives its text once: as a part of a set it is refused, and of shards that are merged it is read once.
+#[test]
+#[cfg(unix)]
+fn a_pipe_is_read_once_or_refused() {
+    use crate::outputs::in_shell;
+    let folder = letters(2);
+    for shard in ["1/2", "2/2"] {
+        let words = [&["compare", "parts"], &FORMATS[..], &["--shard", shard]].concat();
+        let output = feedbits_in(folder.path(), &words);
+        assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    }
+    let script = "mkfifo pipe; cat compare-1-of-2.jsonl > pipe & timeout 20 feedbits merge pipe compare-2-of-2.jsonl --out all.jsonl";
+    let output = in_shell(folder.path(), script);
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    let refused =
+        in_shell(folder.path(), "timeout 20 feedbits compare parts pipe --machine m.toml --formats I8F24");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        unfolded(&refused.stderr).contains("expected a file, not a pipe"),
+        "{}",
+        unfolded(&refused.stderr)
+    );
+}
