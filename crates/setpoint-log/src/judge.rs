@@ -214,8 +214,6 @@ struct Judge<'p> {
     feed_mm: f64,
     given_r_mm: Option<f64>,
     from_rest_to_rest: bool,
-    /// How far the motion may be from the setpoints beside their rounding, in mm.
-    rounded_corners_mm: f64,
     jumps_at_corners: bool,
     /// The largest coordinate, in mm.
     largest_mm: f64,
@@ -254,10 +252,6 @@ impl Judge<'_> {
         }
         let judges_path = !jumps;
         let stated: Vec<_> = limits.iter().map(|limit| limit.stated).collect();
-        let rounded_corners_mm = match machine.junction {
-            Junction::DeviationMm(deviation) => deviation,
-            Junction::Stop | Junction::VelocityJump => 0.0,
-        };
         Self {
             follower: None,
             unseen_mm: 0.0,
@@ -274,7 +268,6 @@ impl Judge<'_> {
             feed_mm: feed_mm_per_s.map_or(f64::INFINITY, |feed| feed * period_s),
             given_r_mm: options.resolution_mm,
             from_rest_to_rest: options.from_rest_to_rest,
-            rounded_corners_mm,
             jumps_at_corners: jumps && marks_corners,
             largest_mm: 0.0,
             waiting: None,
@@ -428,7 +421,7 @@ impl Judge<'_> {
             ends_at_rest,
         };
         let standing = self.standing.take();
-        let rho_mm = (r_mm + self.rounded_corners_mm) * 3.0_f64.sqrt();
+        let rho_mm = r_mm * 3.0_f64.sqrt();
         self.along.add(next.at, standing.is_some(), rho_mm);
         if ends_at_rest {
             self.along.end_section(true, rho_mm);
@@ -440,11 +433,10 @@ impl Judge<'_> {
     fn finished(mut self, r_mm: f64) -> Judgement {
         let ends_at_rest = self.from_rest_to_rest || self.stand.is_some();
         self.end_section(ends_at_rest, r_mm);
-        let within_mm = r_mm + self.rounded_corners_mm;
         let corners = if self.jumps_at_corners { None } else { Some(0.0) };
-        let by_axis = self.differences.findings(within_mm, corners);
+        let by_axis = self.differences.findings(r_mm, corners);
         // A point that is off by r in each axis is off by √3 r.
-        let by_vector = self.differences.findings(within_mm * 3.0_f64.sqrt(), corners);
+        let by_vector = self.differences.findings(r_mm * 3.0_f64.sqrt(), corners);
         let found = by_axis.iter().zip(&by_vector).zip(&self.limits);
         let limits = found.map(|((axis, vector), limit)| match limit.stated.of {
             Of::Vector => self.judged(limit, vector),
