@@ -30,6 +30,8 @@ pub struct Judgement {
     pub standstills: Standstills,
     /// Places at which the log leaves rapid moves out.
     pub left_out: u64,
+    /// By how much the time between two rows is off the period, beyond how the times are rounded, in s.
+    pub uneven_s: f64,
     /// How the log follows a part, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<PartFindings>,

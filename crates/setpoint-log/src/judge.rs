@@ -11,6 +11,7 @@ use crate::columns::ColumnMap;
 use crate::csv_log::CsvLog;
 use crate::findings::{Faults, JudgedLimit, Judgement, LimitVerdict, Standstills};
 use crate::log_error::LogError;
+use crate::log_period::period_of_times;
 use crate::log_place::LogPlace;
 use crate::machine_limits::{LogLimit, clock_limits, limits_of};
 use crate::motan_log::MotanLog;
@@ -135,7 +136,8 @@ impl<'a> Log<'a> {
         let feed = if follower.is_some() { highest } else { self.machine.feedrate_mm_per_s };
         let mut judge = Judge::new((&self.machine, feed), &self.options, self.period_s, self.marks_corners);
         judge.follower = follower;
-        let mut clock = Clock::new(clock_limits(&self.machine, self.period_s));
+        let mut clock =
+            Clock::new(clock_limits(&self.machine, self.period_s), self.options.period_s.is_some());
         loop {
             let next = match self.first.pop_front() {
                 Some(row) => Some(row),
@@ -145,6 +147,7 @@ impl<'a> Log<'a> {
             let Some(row) = next else {
                 clock.finish(r_mm, &mut |event| judge.take(event, r_mm));
                 let mut judgement = judge.finished(r_mm);
+                judgement.uneven_s = clock.uneven_s;
                 if self.other_axes > 0 {
                     let said = format!("{} more joints: three at a time, by --columns", self.other_axes);
                     judgement.not_judged.push(said);
@@ -165,8 +168,7 @@ pub fn judge(source: impl Read, machine: &StatedLimits, options: &LogOptions) ->
     Log::begin(source, machine, options)?.judge(None)
 }
 
-/// The time between two setpoints: what was asked for; the median of the log's times, or the machine's where that differs by no more than
-/// the log's times are rounded; the machine's.
+/// The time between two setpoints: what was asked for; that of the log's times; the machine's.
 fn period_of(
     rows: &VecDeque<Row>,
     time_resolution_s: f64,
@@ -177,25 +179,15 @@ fn period_of(
         return Ok(period_s);
     }
     let stated = machine.interpolation_period_ms.map(|period| 1e-3 * period);
-    let pairs = rows.iter().zip(rows.iter().skip(1));
-    let mut steps: Vec<f64> =
-        pairs.filter_map(|(from, to)| Some(to.time_s? - from.time_s?)).filter(|step| *step > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
-    let Some(median) = steps.get(steps.len() / 2).copied() else {
-        return stated.ok_or_else(|| {
-            LogError::whole(
-                "neither the log nor the machine says how long a period is",
-                "--period with it in ms, or interpolation_period_ms in the machine's file",
-            )
-        });
-    };
-    let near = |period: &f64| (period - median).abs() <= 2.1 * time_resolution_s + 1e-3 * median;
-    if let Some(period) = stated.filter(near) {
-        return Ok(period);
+    if let Some(period_s) = period_of_times(rows, time_resolution_s, stated)? {
+        return Ok(period_s);
     }
-    // Of times that are rounded the mean of those that are alike tells more.
-    let alike: Vec<f64> = steps.into_iter().filter(|step| (0.5..1.5).contains(&(step / median))).collect();
-    Ok(alike.iter().sum::<f64>() / alike.len() as f64)
+    stated.ok_or_else(|| {
+        LogError::whole(
+            "neither the log nor the machine says how long a period is",
+            "--period with it in ms, or interpolation_period_ms in the machine's file",
+        )
+    })
 }
 
 /// Setpoints as they come, and what was found so far.
@@ -458,6 +450,7 @@ impl Judge<'_> {
             missing: self.missing,
             standstills: self.standstills,
             left_out: self.left_out,
+            uneven_s: 0.0,
             part: self.follower.map(|follower| follower.finished(2.0 * r_mm)),
         }
     }

@@ -64,6 +64,14 @@ fn summary(found: &Judgement) -> String {
         "resolution  r = {:.1e} mm: the motion is within r of the positions in each axis",
         found.resolution_mm
     );
+    if found.uneven_s > 0.0 {
+        let said = format!(
+            "uneven: a row is up to {} ms off its period; they are judged as a setpoint each {} ms",
+            short(1e3 * found.uneven_s),
+            short(1e3 * found.period_s)
+        );
+        text += &labelled("times       ", &said);
+    }
     if found.standstills.count > 0 {
         let at = found.standstills.at.map_or(String::new(), |at| format!(", from {}", place(&at)));
         let count = usize::try_from(found.standstills.count).unwrap_or(usize::MAX);

@@ -3,3 +3,4 @@
 mod motion;
 mod planted;
 mod refused;
+mod times;
