@@ -67,6 +67,8 @@ pub enum LimitVerdict {
     KeptWithin,
     /// No motion within the resolution keeps it.
     Broken,
+    /// The log has no window without a gap over which it could be seen.
+    NotJudged,
 }
 
 /// What is taken of a limit.

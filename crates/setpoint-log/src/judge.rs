@@ -135,6 +135,10 @@ impl<'a> Log<'a> {
     ) -> Result<Judgement, LogError> {
         let feed = if follower.is_some() { highest } else { self.machine.feedrate_mm_per_s };
         let mut judge = Judge::new((&self.machine, feed), &self.options, self.period_s, self.marks_corners);
+        if follower.is_none() && judge.limits.is_empty() && judge.along.limits.is_empty() {
+            let said = format!("nothing can be judged: {}", judge.not_judged.join("; "));
+            return Err(LogError::whole(said, "one of these limits in the machine's file, or --part"));
+        }
         judge.follower = follower;
         let mut clock =
             Clock::new(clock_limits(&self.machine, self.period_s), self.options.period_s.is_some());
@@ -235,7 +239,7 @@ impl Judge<'_> {
     ) -> Self {
         let jumps = machine.junction == Junction::VelocityJump;
         let mut limits = limits_of(machine, period_s, feed_mm_per_s);
-        let mut not_judged = not_stated(machine);
+        let mut not_judged = not_stated(machine, feed_mm_per_s);
         if jumps && !marks_corners {
             limits.retain(|limit| limit.stated.order == 0);
             not_judged.push(
@@ -476,6 +480,7 @@ impl Judge<'_> {
 
     fn judged(&self, limit: &LogLimit, found: &LimitFinding) -> JudgedLimit {
         let verdict = match found.taken.figure <= 1.0 + SLACK {
+            _ if found.raw.at.is_none() => LimitVerdict::NotJudged,
             true if found.raw.figure <= 1.0 + SLACK => LimitVerdict::Kept,
             true => LimitVerdict::KeptWithin,
             false => LimitVerdict::Broken,
@@ -491,7 +496,8 @@ impl Judge<'_> {
             unit: limit.unit(),
             verdict,
             raw: found.raw.figure,
-            taken: found.taken.figure,
+            // Below 0 the resolution hides more than there is.
+            taken: if found.taken.figure < 0.0 { 0.0 } else { found.taken.figure },
             periods: found.periods,
             at: place.map(|at| LogPlace::of(&at, self.begin_s(), self.period_s)),
             decided_below_mm: (is_open && found.decided_below_mm > 0.0)
@@ -501,14 +507,18 @@ impl Judge<'_> {
 }
 
 /// What the machine's file does not limit.
-fn not_stated(machine: &StatedLimits) -> Vec<String> {
+fn not_stated(machine: &StatedLimits, feed_mm_per_s: Option<f64>) -> Vec<String> {
     let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
     let lacks = |name: &str, has: [bool; 3]| {
         let missing: Vec<&str> =
             ["X", "Y", "Z"].into_iter().zip(has).filter(|(_, has)| !has).map(|(axis, _)| axis).collect();
         (!missing.is_empty()).then(|| format!("{name} of {}: the machine states none", missing.join(", ")))
     };
+    let along = |name: &str, has: bool, of: &str| (!has).then(|| format!("{name}: {of} states none"));
     [
+        along("feed", feed_mm_per_s.is_some(), "neither the machine nor a part"),
+        along("acceleration along the path", machine.acceleration_mm_per_s2.is_some(), "the machine"),
+        along("jerk along the path", machine.jerk_mm_per_s3.is_some(), "the machine"),
         lacks("velocity", axes.map(|axis| axis.velocity_mm_per_s.is_some())),
         lacks("acceleration", axes.map(|axis| axis.acceleration_mm_per_s2.is_some())),
         lacks("jerk", axes.map(|axis| axis.jerk_mm_per_s3.is_some())),

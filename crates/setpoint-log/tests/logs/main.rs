@@ -4,3 +4,4 @@ mod motion;
 mod planted;
 mod refused;
 mod times;
+mod unjudged;
