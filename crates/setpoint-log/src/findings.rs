@@ -30,6 +30,8 @@ pub struct Judgement {
     pub standstills: Standstills,
     /// Places at which the log leaves rapid moves out.
     pub left_out: u64,
+    /// By how much the time between two rows is off the period, beyond how the times are rounded, in s.
+    pub uneven_s: f64,
     /// How the log follows a part, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<PartFindings>,
@@ -65,6 +67,8 @@ pub enum LimitVerdict {
     KeptWithin,
     /// No motion within the resolution keeps it.
     Broken,
+    /// The log has no window without a gap over which it could be seen.
+    NotJudged,
 }
 
 /// What is taken of a limit.

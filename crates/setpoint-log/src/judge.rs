@@ -11,6 +11,7 @@ use crate::columns::ColumnMap;
 use crate::csv_log::CsvLog;
 use crate::findings::{Faults, JudgedLimit, Judgement, LimitVerdict, Standstills};
 use crate::log_error::LogError;
+use crate::log_period::period_of_times;
 use crate::log_place::LogPlace;
 use crate::machine_limits::{LogLimit, clock_limits, limits_of};
 use crate::motan_log::MotanLog;
@@ -134,8 +135,13 @@ impl<'a> Log<'a> {
     ) -> Result<Judgement, LogError> {
         let feed = if follower.is_some() { highest } else { self.machine.feedrate_mm_per_s };
         let mut judge = Judge::new((&self.machine, feed), &self.options, self.period_s, self.marks_corners);
+        if follower.is_none() && judge.limits.is_empty() && judge.along.limits.is_empty() {
+            let said = format!("nothing can be judged: {}", judge.not_judged.join("; "));
+            return Err(LogError::whole(said, "one of these limits in the machine's file, or --part"));
+        }
         judge.follower = follower;
-        let mut clock = Clock::new(clock_limits(&self.machine, self.period_s));
+        let mut clock =
+            Clock::new(clock_limits(&self.machine, self.period_s), self.options.period_s.is_some());
         loop {
             let next = match self.first.pop_front() {
                 Some(row) => Some(row),
@@ -145,6 +151,7 @@ impl<'a> Log<'a> {
             let Some(row) = next else {
                 clock.finish(r_mm, &mut |event| judge.take(event, r_mm));
                 let mut judgement = judge.finished(r_mm);
+                judgement.uneven_s = clock.uneven_s;
                 if self.other_axes > 0 {
                     let said = format!("{} more joints: three at a time, by --columns", self.other_axes);
                     judgement.not_judged.push(said);
@@ -165,8 +172,7 @@ pub fn judge(source: impl Read, machine: &StatedLimits, options: &LogOptions) ->
     Log::begin(source, machine, options)?.judge(None)
 }
 
-/// The time between two setpoints: what was asked for; the median of the log's times, or the machine's where that differs by no more than
-/// the log's times are rounded; the machine's.
+/// The time between two setpoints: what was asked for; that of the log's times; the machine's.
 fn period_of(
     rows: &VecDeque<Row>,
     time_resolution_s: f64,
@@ -177,25 +183,15 @@ fn period_of(
         return Ok(period_s);
     }
     let stated = machine.interpolation_period_ms.map(|period| 1e-3 * period);
-    let pairs = rows.iter().zip(rows.iter().skip(1));
-    let mut steps: Vec<f64> =
-        pairs.filter_map(|(from, to)| Some(to.time_s? - from.time_s?)).filter(|step| *step > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
-    let Some(median) = steps.get(steps.len() / 2).copied() else {
-        return stated.ok_or_else(|| {
-            LogError::whole(
-                "neither the log nor the machine says how long a period is",
-                "--period with it in ms, or interpolation_period_ms in the machine's file",
-            )
-        });
-    };
-    let near = |period: &f64| (period - median).abs() <= 2.1 * time_resolution_s + 1e-3 * median;
-    if let Some(period) = stated.filter(near) {
-        return Ok(period);
+    if let Some(period_s) = period_of_times(rows, time_resolution_s, stated)? {
+        return Ok(period_s);
     }
-    // Of times that are rounded the mean of those that are alike tells more.
-    let alike: Vec<f64> = steps.into_iter().filter(|step| (0.5..1.5).contains(&(step / median))).collect();
-    Ok(alike.iter().sum::<f64>() / alike.len() as f64)
+    stated.ok_or_else(|| {
+        LogError::whole(
+            "neither the log nor the machine says how long a period is",
+            "--period with it in ms, or interpolation_period_ms in the machine's file",
+        )
+    })
 }
 
 /// Setpoints as they come, and what was found so far.
@@ -214,8 +210,6 @@ struct Judge<'p> {
     feed_mm: f64,
     given_r_mm: Option<f64>,
     from_rest_to_rest: bool,
-    /// How far the motion may be from the setpoints beside their rounding, in mm.
-    rounded_corners_mm: f64,
     jumps_at_corners: bool,
     /// The largest coordinate, in mm.
     largest_mm: f64,
@@ -245,7 +239,7 @@ impl Judge<'_> {
     ) -> Self {
         let jumps = machine.junction == Junction::VelocityJump;
         let mut limits = limits_of(machine, period_s, feed_mm_per_s);
-        let mut not_judged = not_stated(machine);
+        let mut not_judged = not_stated(machine, feed_mm_per_s);
         if jumps && !marks_corners {
             limits.retain(|limit| limit.stated.order == 0);
             not_judged.push(
@@ -254,10 +248,6 @@ impl Judge<'_> {
         }
         let judges_path = !jumps;
         let stated: Vec<_> = limits.iter().map(|limit| limit.stated).collect();
-        let rounded_corners_mm = match machine.junction {
-            Junction::DeviationMm(deviation) => deviation,
-            Junction::Stop | Junction::VelocityJump => 0.0,
-        };
         Self {
             follower: None,
             unseen_mm: 0.0,
@@ -274,7 +264,6 @@ impl Judge<'_> {
             feed_mm: feed_mm_per_s.map_or(f64::INFINITY, |feed| feed * period_s),
             given_r_mm: options.resolution_mm,
             from_rest_to_rest: options.from_rest_to_rest,
-            rounded_corners_mm,
             jumps_at_corners: jumps && marks_corners,
             largest_mm: 0.0,
             waiting: None,
@@ -428,7 +417,7 @@ impl Judge<'_> {
             ends_at_rest,
         };
         let standing = self.standing.take();
-        let rho_mm = (r_mm + self.rounded_corners_mm) * 3.0_f64.sqrt();
+        let rho_mm = r_mm * 3.0_f64.sqrt();
         self.along.add(next.at, standing.is_some(), rho_mm);
         if ends_at_rest {
             self.along.end_section(true, rho_mm);
@@ -440,11 +429,10 @@ impl Judge<'_> {
     fn finished(mut self, r_mm: f64) -> Judgement {
         let ends_at_rest = self.from_rest_to_rest || self.stand.is_some();
         self.end_section(ends_at_rest, r_mm);
-        let within_mm = r_mm + self.rounded_corners_mm;
         let corners = if self.jumps_at_corners { None } else { Some(0.0) };
-        let by_axis = self.differences.findings(within_mm, corners);
+        let by_axis = self.differences.findings(r_mm, corners);
         // A point that is off by r in each axis is off by √3 r.
-        let by_vector = self.differences.findings(within_mm * 3.0_f64.sqrt(), corners);
+        let by_vector = self.differences.findings(r_mm * 3.0_f64.sqrt(), corners);
         let found = by_axis.iter().zip(&by_vector).zip(&self.limits);
         let limits = found.map(|((axis, vector), limit)| match limit.stated.of {
             Of::Vector => self.judged(limit, vector),
@@ -466,6 +454,7 @@ impl Judge<'_> {
             missing: self.missing,
             standstills: self.standstills,
             left_out: self.left_out,
+            uneven_s: 0.0,
             part: self.follower.map(|follower| follower.finished(2.0 * r_mm)),
         }
     }
@@ -491,6 +480,7 @@ impl Judge<'_> {
 
     fn judged(&self, limit: &LogLimit, found: &LimitFinding) -> JudgedLimit {
         let verdict = match found.taken.figure <= 1.0 + SLACK {
+            _ if found.raw.at.is_none() => LimitVerdict::NotJudged,
             true if found.raw.figure <= 1.0 + SLACK => LimitVerdict::Kept,
             true => LimitVerdict::KeptWithin,
             false => LimitVerdict::Broken,
@@ -506,7 +496,8 @@ impl Judge<'_> {
             unit: limit.unit(),
             verdict,
             raw: found.raw.figure,
-            taken: found.taken.figure,
+            // Below 0 the resolution hides more than there is.
+            taken: if found.taken.figure < 0.0 { 0.0 } else { found.taken.figure },
             periods: found.periods,
             at: place.map(|at| LogPlace::of(&at, self.begin_s(), self.period_s)),
             decided_below_mm: (is_open && found.decided_below_mm > 0.0)
@@ -516,14 +507,18 @@ impl Judge<'_> {
 }
 
 /// What the machine's file does not limit.
-fn not_stated(machine: &StatedLimits) -> Vec<String> {
+fn not_stated(machine: &StatedLimits, feed_mm_per_s: Option<f64>) -> Vec<String> {
     let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
     let lacks = |name: &str, has: [bool; 3]| {
         let missing: Vec<&str> =
             ["X", "Y", "Z"].into_iter().zip(has).filter(|(_, has)| !has).map(|(axis, _)| axis).collect();
         (!missing.is_empty()).then(|| format!("{name} of {}: the machine states none", missing.join(", ")))
     };
+    let along = |name: &str, has: bool, of: &str| (!has).then(|| format!("{name}: {of} states none"));
     [
+        along("feed", feed_mm_per_s.is_some(), "neither the machine nor a part"),
+        along("acceleration along the path", machine.acceleration_mm_per_s2.is_some(), "the machine"),
+        along("jerk along the path", machine.jerk_mm_per_s3.is_some(), "the machine"),
         lacks("velocity", axes.map(|axis| axis.velocity_mm_per_s.is_some())),
         lacks("acceleration", axes.map(|axis| axis.acceleration_mm_per_s2.is_some())),
         lacks("jerk", axes.map(|axis| axis.jerk_mm_per_s3.is_some())),

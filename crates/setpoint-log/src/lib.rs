@@ -6,6 +6,7 @@
 //! | `csv_log`, `columns`, `decimal` | which setpoints are in rows of numbers, and how finely are they written? | [`ColumnMap`], [`LengthUnit`] |
 //! | `motan_log` | which setpoints are in the moves that Klipper's `motan` keeps? | |
 //! | `row` | what does a log say of a setpoint? | |
+//! | `log_period` | how long is a period, by the times of the first rows? | |
 //! | `period` | which period does a row belong to: which are there twice, which are missing? | |
 //! | `machine_limits` | which limits has the machine, per period? | |
 //! | `part_path` | where is the path of a part, exactly and in straight segments? | |
@@ -41,6 +42,7 @@ mod findings;
 mod in_order;
 mod judge;
 mod log_error;
+mod log_period;
 mod log_place;
 mod machine_limits;
 mod motan_log;

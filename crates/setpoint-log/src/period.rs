@@ -10,6 +10,7 @@
 //! hides. Where the velocity changes in a gap, n is that of its mean before and behind.
 
 use crate::log_error::LogError;
+use crate::log_period::{PAUSE, UNEVEN};
 use crate::row::Row;
 
 /// What is known of the next row.
@@ -45,6 +46,10 @@ pub(crate) struct ClockLimits {
 /// The clock of a log.
 pub(crate) struct Clock {
     limits: ClockLimits,
+    /// Whether the period was asked for, so that uneven times tell gaps alone.
+    is_given: bool,
+    /// By how much the time between two rows is off the period, beyond how times are rounded, in s.
+    pub(crate) uneven_s: f64,
     /// The row before, which was handed on.
     before: Option<Setpoint>,
     /// The step to it, where no row is missing before it.
@@ -59,8 +64,8 @@ pub(crate) struct Clock {
 const EVEN: f64 = 0.2;
 
 impl Clock {
-    pub(crate) fn new(limits: ClockLimits) -> Self {
-        Self { limits, before: None, step: None, held: None, jumped: None }
+    pub(crate) fn new(limits: ClockLimits, is_given: bool) -> Self {
+        Self { limits, is_given, uneven_s: 0.0, before: None, step: None, held: None, jumped: None }
     }
 
     /// Takes the next row, and hands on what is known now. `r_mm` is what the log's resolution hides, and `r_s` that of its times.
@@ -122,8 +127,9 @@ impl Clock {
     }
 
     /// How many periods a row is behind another.
-    fn periods_between(&self, last: &Row, row: &Row, r_s: f64) -> Result<u64, LogError> {
+    fn periods_between(&mut self, last: &Row, row: &Row, r_s: f64) -> Result<u64, LogError> {
         const EXPECTED: &str = "rows in the order of their times";
+        const EVEN_TIMES: &str = "even times, or --period with the time between two rows in ms";
         let place = |message: String| LogError::at(row.text_line, row.time_column, message, EXPECTED);
         let period_s = self.limits.period_s;
         let count = match (last.time_s.zip(row.time_s), last.sample.zip(row.sample)) {
@@ -139,7 +145,27 @@ impl Clock {
             {
                 1.0
             }
-            (Some((from, to)), _) => (to - from) / period_s,
+            (Some((from, to)), _) => {
+                let step_s = to - from;
+                let periods = (step_s / period_s).round();
+                let off_s = (step_s - periods * period_s).abs();
+                let stays = step_s == 0.0 && row.point_mm == last.point_mm;
+                // Behind a pause times may begin anew.
+                let is_telling = stays || row.text_line == 0 || step_s > PAUSE * period_s;
+                let single_s = (step_s - period_s).abs();
+                if is_telling || off_s <= 2.1 * r_s + 1e-6 * period_s && single_s > self.uneven_s {
+                    periods
+                } else if self.is_given || single_s <= 2.1 * r_s + 2.0 * UNEVEN * period_s {
+                    // The motion tells whether a row is missing.
+                    self.uneven_s = self.uneven_s.max(single_s);
+                    1.0
+                } else {
+                    let (step_ms, period_ms) = (1e3 * step_s, 1e3 * period_s);
+                    let said =
+                        format!("{step_ms:.6} ms behind the row before, of a period of {period_ms:.6} ms");
+                    return Err(LogError { expected: EVEN_TIMES.into(), ..place(said) });
+                }
+            }
             (None, Some((from, to))) => to - from,
             (None, None) => 1.0,
         };
@@ -270,7 +296,7 @@ mod tests {
 
     fn events(places: &[f64], times: Option<&[f64]>) -> Vec<Event> {
         let limits = ClockLimits { period_s: 1e-3, change_mm: [Some(0.01 + 1e-9), None, None] };
-        let mut clock = Clock::new(limits);
+        let mut clock = Clock::new(limits, false);
         let mut events = Vec::new();
         for (index, x) in places.iter().enumerate() {
             let time_s = times.map(|times| times[index]);

@@ -33,9 +33,15 @@ pub(crate) fn text(name: &str, found: &Judgement, faults: &[String]) -> String {
 
 fn answer(name: &str, found: &Judgement, faults: &[String]) -> String {
     let name = screen::file_name(name);
-    let hidden = found.limits.iter().filter(|limit| limit.verdict == LimitVerdict::KeptWithin).count();
+    let count = |verdict| found.limits.iter().filter(|limit| limit.verdict == verdict).count();
+    let (hidden, unseen) = (count(LimitVerdict::KeptWithin), count(LimitVerdict::NotJudged));
     let said = match (faults.len(), hidden) {
         (0, 0) if found.limits.is_empty() => format!("{name}: the machine states no limit."),
+        (0, 0) if unseen > 0 => {
+            format!(
+                "{name}: no limit is broken; {unseen} are not judged, for the log has no window without a gap."
+            )
+        }
         (0, 0) => format!("{name}: every limit is kept."),
         (0, _) => format!("{name}: no limit is broken; {} are kept within what the log resolves.", hidden),
         (1, _) => format!("{name}: one fault."),
@@ -64,6 +70,14 @@ fn summary(found: &Judgement) -> String {
         "resolution  r = {:.1e} mm: the motion is within r of the positions in each axis",
         found.resolution_mm
     );
+    if found.uneven_s > 0.0 {
+        let said = format!(
+            "uneven: a row is up to {} ms off its period; they are judged as a setpoint each {} ms",
+            short(1e3 * found.uneven_s),
+            short(1e3 * found.period_s)
+        );
+        text += &labelled("times       ", &said);
+    }
     if found.standstills.count > 0 {
         let at = found.standstills.at.map_or(String::new(), |at| format!(", from {}", place(&at)));
         let count = usize::try_from(found.standstills.count).unwrap_or(usize::MAX);
@@ -90,8 +104,11 @@ fn limits(found: &Judgement) -> String {
         vec![
             limit.what.to_string(),
             format!("{} {}", short(limit.limit), limit.unit),
-            share(limit.raw),
-            if limit.verdict == LimitVerdict::Kept { String::new() } else { share(limit.taken) },
+            if limit.verdict == LimitVerdict::NotJudged { "-".into() } else { share(limit.raw) },
+            match limit.verdict {
+                LimitVerdict::Kept | LimitVerdict::NotJudged => String::new(),
+                LimitVerdict::KeptWithin | LimitVerdict::Broken => share(limit.taken),
+            },
             verdict(limit),
             at.map_or(String::new(), |at| at.row.to_string()),
             line,
@@ -106,6 +123,7 @@ fn verdict(limit: &JudgedLimit) -> String {
         LimitVerdict::Kept => "kept".into(),
         LimitVerdict::KeptWithin => "kept within r".into(),
         LimitVerdict::Broken => "broken".into(),
+        LimitVerdict::NotJudged => "not judged".into(),
     }
 }
 
@@ -135,6 +153,17 @@ fn places(found: &Judgement) -> String {
             (LimitVerdict::KeptWithin, _, Some(within)) => {
                 let said = format!("r below {within:.1e} mm, of {}", limit.what);
                 text += &labelled("would show  ", &said);
+            }
+            (LimitVerdict::KeptWithin, _, None) if limit.what.ends_with("along the path") => {
+                let said = format!(
+                    "no finer r alone, of {}: its chords hide what they fall short of arcs by",
+                    limit.what
+                );
+                text += &labelled("would show  ", &said);
+            }
+            (LimitVerdict::NotJudged, ..) => {
+                let said = format!("{}: the log has no window for it without a gap", limit.what);
+                text += &labelled("not judged  ", &said);
             }
             _ => {}
         }

@@ -3,3 +3,5 @@
 mod motion;
 mod planted;
 mod refused;
+mod times;
+mod unjudged;

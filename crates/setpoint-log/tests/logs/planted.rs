@@ -251,3 +251,22 @@ fn a_log_in_another_unit_is_told() {
     let found = judge(motion.log(9).as_bytes(), &machine(MACHINE), &options).unwrap();
     assert_eq!(found.faults(), [""; 0]);
 }
+
+/// A machine may deviate at corners, and nobody knows where these are: at 4.4 times the acceleration that is no excuse.
+#[test]
+fn a_junction_deviation_hides_no_limit() {
+    let pace = Pace { acceleration: 2816.0, jerk: 1e6, ..SOUND };
+    let motion = corner(pace, SOUND);
+    let machine = without_jerk().replacen(
+        "[machine]",
+        "[machine]\njunction = \"deviation\"\njunction_deviation_mm = 0.01",
+        1,
+    );
+    let of_part = Some((CORNER, Some(0.1)));
+    for part in [None, of_part] {
+        let found = judged(&motion.log(6), &machine, part).unwrap();
+        assert_eq!(found.faults()[0], "acceleration of X is broken");
+        let limit = found.limits.iter().find(|limit| limit.what == "acceleration of X").unwrap();
+        assert!((limit.taken / limit.raw - 1.0).abs() < 0.05 && limit.taken > 2.0, "{limit:?}");
+    }
+}
