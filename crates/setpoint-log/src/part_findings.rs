@@ -27,6 +27,12 @@ pub struct PartFindings {
     pub skipped: Vec<SkippedMoves>,
     /// How much of the path is left behind the end of the log, in mm.
     pub left_mm: f64,
+    /// Where on the path the log ends, in mm from its begin.
+    pub ends_at_mm: f64,
+    /// How much of the path the log never visits, in mm: what it skips, and what is left.
+    pub never_visited_mm: f64,
+    /// The length of the log, in mm.
+    pub log_mm: f64,
     /// The line in which the log ends.
     pub ends_in_line: usize,
     /// Lines whose commanded feed is exceeded, the worst first.
@@ -78,6 +84,8 @@ pub struct LineFeed {
 
 /// The share of setpoints that are far from the path from which on the log is of another part.
 const ANOTHER: f64 = 0.1;
+/// A log that is longer than what it visits of the path by this did not just end early.
+const LONGER: f64 = 1.5;
 /// What is left of a path at its end, in mm, where no tolerance is given.
 const LEFT_MM: f64 = 0.01;
 
@@ -85,7 +93,24 @@ impl PartFindings {
     /// Whether the log is of another part.
     #[must_use]
     pub fn is_another(&self) -> bool {
-        self.far_share > ANOTHER
+        self.far_share > ANOTHER || self.goes_elsewhere()
+    }
+
+    /// Whether the log visits less than half of the path, and goes farther than that.
+    fn goes_elsewhere(&self) -> bool {
+        let visited_mm = self.length_mm - self.never_visited_mm;
+        visited_mm < 0.5 * self.length_mm && self.log_mm > LONGER * visited_mm + 2.0 * self.left_most_mm()
+    }
+
+    /// What may be left of the path.
+    fn left_most_mm(&self) -> f64 {
+        self.tolerance_mm.unwrap_or(LEFT_MM)
+    }
+
+    /// Whether some of the path is never visited.
+    #[must_use]
+    pub fn leaves_some(&self) -> bool {
+        self.never_visited_mm > self.left_most_mm()
     }
 
     /// What is not as the part says, in short.
@@ -95,9 +120,12 @@ impl PartFindings {
                 format!("; its size is that of the part times {ratio}, as of another unit")
             });
             return vec![format!(
-                "the log is of another part: {:.0} % of its setpoints are far from the path, up to {:.3} mm{unit}",
+                "the log is of another part: {:.0} % of its setpoints are far from the path, up to {:.3} mm; of {:.3} mm of path it never visits {:.3} mm, and it ends in line {}{unit}",
                 100.0 * self.far_share,
-                self.nearest.mm.max(self.nearest_rapid.mm)
+                self.nearest.mm.max(self.nearest_rapid.mm),
+                self.length_mm,
+                self.never_visited_mm,
+                self.ends_in_line
             )];
         }
         let mut faults = Vec::new();
@@ -105,7 +133,7 @@ impl PartFindings {
             let [first, last] = skip.lines;
             faults.push(format!("lines {first} to {last} are skipped: {:.3} mm of the path", skip.length_mm));
         }
-        if self.left_mm > self.tolerance_mm.unwrap_or(LEFT_MM) {
+        if self.left_mm > self.left_most_mm() {
             faults.push(format!(
                 "the log ends in line {}, {:.3} mm before the end",
                 self.ends_in_line, self.left_mm

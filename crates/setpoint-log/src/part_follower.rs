@@ -31,6 +31,8 @@ pub(crate) struct PartFollower<'p> {
     /// The longest step that was allowed before, and the step that was made.
     allowed_mm: f64,
     step_mm: f64,
+    /// The length of the log so far.
+    log_mm: f64,
     nearest_off: [Off; 2],
     setpoints: u64,
     far: u64,
@@ -61,6 +63,7 @@ impl<'p> PartFollower<'p> {
             before: (*first, way),
             allowed_mm: 0.0,
             step_mm: 0.0,
+            log_mm: 0.0,
             nearest_off: [Off::default(); 2],
             setpoints: 0,
             far: 0,
@@ -81,6 +84,7 @@ impl<'p> PartFollower<'p> {
             least[axis] = least[axis].min(at.point_mm[axis]);
             most[axis] = most[axis].max(at.point_mm[axis]);
         }
+        self.log_mm += distance(&from, &at.point_mm);
         self.measure(at, &way);
         let allowed_mm = self.allowed(&way_before, &way);
         let step_mm = if unseen_mm > 0.0 { 0.0 } else { distance(&from, &at.point_mm) };
@@ -179,6 +183,9 @@ impl<'p> PartFollower<'p> {
             length_mm: self.path.so_far_mm[skip.to] - self.path.so_far_mm[skip.from + 1],
             off_mm: skip.off_mm,
         });
+        let skipped: Vec<SkippedMoves> = skipped.collect();
+        let ends_at_mm = self.path.length_to(way.segment, way.share);
+        let visited_mm = (ends_at_mm - skipped.iter().map(|skip| skip.length_mm).sum::<f64>()).max(0.0);
         let order_mm = way.largest_2.sqrt();
         PartFindings {
             moves: self.path.moves.len(),
@@ -188,8 +195,11 @@ impl<'p> PartFollower<'p> {
             order_mm,
             path_to_log_mm: followed.from_path_mm,
             tolerance_mm: self.tolerance_mm,
-            skipped: skipped.collect(),
-            left_mm: self.path.length_mm() - self.path.length_to(way.segment, way.share),
+            skipped,
+            left_mm: self.path.length_mm() - ends_at_mm,
+            ends_at_mm,
+            never_visited_mm: self.path.length_mm() - visited_mm,
+            log_mm: self.log_mm,
             ends_in_line: line(way.segment),
             over_feed: self.over.clone(),
             far_share: self.far as f64 / self.setpoints.max(1) as f64,

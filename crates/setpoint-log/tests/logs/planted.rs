@@ -241,6 +241,30 @@ fn the_log_of_another_part_is_told_with_how_far_off_it_is() {
     assert!(faults.iter().all(|fault| !fault.contains("skipped")), "{faults:?}");
 }
 
+/// A log that goes to and fro within a hundredth of a part is near its path everywhere, and follows none of it.
+#[test]
+fn a_log_that_stays_near_a_path_it_does_not_follow_is_of_another_part() {
+    let [begin, end] = [[0.0; 3], [8.0, 0.0, 0.0]];
+    let mut motion = Motion::default().stand(begin, 5);
+    for _ in 0..5 {
+        motion = motion.line(begin, end, 2, SOUND).stand(end, 15).line(end, begin, 2, SOUND).stand(begin, 15);
+    }
+    let part = "G21 G90\nG1 X8 F3000\nG1 Y900\n";
+    let found = judged(&motion.log(6), MACHINE, Some((part, None))).unwrap();
+    let followed = found.part.as_ref().unwrap();
+    assert!(followed.never_visited_mm > 890.0 && followed.ends_at_mm < 18.0, "{followed:?}");
+    let faults = found.faults();
+    assert!(
+        faults[0].starts_with("the log is of another part: ") && faults[0].contains("never visits"),
+        "{faults:?}"
+    );
+    // One that ends early follows the path up to there.
+    let mut early = corner(SOUND, SOUND);
+    early.0.truncate(400);
+    let faults = faults_of(&early.log(6), MACHINE, CORNER, None);
+    assert!(faults.len() == 1 && faults[0].starts_with("the log ends in line 2, "), "{faults:?}");
+}
+
 #[test]
 fn a_log_in_another_unit_is_told() {
     let mut motion = corner(SOUND, SOUND);

@@ -11,6 +11,8 @@ fn a_limit_without_a_window_is_not_judged() {
     let rows =
         text.lines().enumerate().filter(|(line, _)| *line == 0 || (100..500).contains(line) && line % 3 != 0);
     let log = rows.fold(String::new(), |text, (_, row)| text + row + "\n");
+    let stands = judged(&("x,y\n".to_string() + &"1.000,2.000\n".repeat(100)), MACHINE, None).unwrap();
+    assert!(stands.limits.iter().all(|limit| limit.verdict == LimitVerdict::Kept), "{stands:?}");
     let found = judged(&log, MACHINE, None).unwrap();
     for limit in &found.limits {
         let is_seen = limit.what.starts_with("velocity");
