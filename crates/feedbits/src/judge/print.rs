@@ -195,12 +195,16 @@ fn of_part(part: &PartFindings) -> String {
     }
     let said = format!("at most {} mm between log and path, skipped moves and all", small(part.order_mm));
     text += &labelled("in order    ", &said);
+    let visits_none = part.never_visited_mm >= part.length_mm;
     let visited = if part.leaves_some() { ", of what it visits" } else { "" };
     let said = format!(
         "{} mm at most of the path of moves at feed from the log{visited}",
         small(part.path_to_log_mm)
     );
-    text += &labelled("off log     ", &said);
+    text += &labelled(
+        "off log     ",
+        if visits_none { "not judged: none of the path was visited" } else { &said },
+    );
     if part.leaves_some() {
         let said = format!(
             "{:.3} of {:.3} mm of the path, {:.1} %; the log ends at {:.3} mm, in line {}",
