@@ -7,7 +7,9 @@
 //!
 //! `σ = min(c² b²/(24 (L - b/2)), c b/√12)`
 //!
-//! where c = 1.5 covers that b is a mean over two periods. Positions within ρ of the motion change a sum of chords by 2ρ at its ends, and in
+//! where c = 1.5 covers that b is a mean over two periods. The path may have a corner in a
+//! chord as well: if the direction turns by θ from the chord before it to the one behind it, two legs are as long as `L/cos(θ/2)` at most, and
+//! the chord may fall short by `L/cos(θ/2) - L` if that is more. Positions within ρ of the motion change a sum of chords by 2ρ at its ends, and in
 //! between by ρ times what the direction turns and 2ρ²/L for each chord.
 //!
 //! With S the sum of w chords and H the sum of what each may hide, the excess over a window is
@@ -25,6 +27,8 @@ const WINDOWS: usize = 9;
 const SPAN: usize = (3 << (WINDOWS - 1)) + 1;
 /// By how much the second difference at a place may be above its mean over two periods.
 const ABOVE_MEAN: f64 = 1.5;
+/// The most by which a corner is taken to turn, in radians: beyond, legs are longer than a log lets anybody say.
+const SHARPEST: f64 = 3.0;
 
 /// What is taken of one of both limits.
 #[derive(Clone, Copy, Debug)]
@@ -48,14 +52,34 @@ struct Sum {
     hidden_mm: f64,
 }
 
+/// How the way is bent at a setpoint.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bend {
+    /// The length of the second difference, in mm.
+    mm: f64,
+    /// The angle by which the direction turns.
+    turn: f64,
+}
+
+impl Bend {
+    /// From one step to the next; a tool that stands turns by nothing.
+    fn between(before: &[f64; 3], step: &[f64; 3]) -> Self {
+        let turned = std::array::from_fn(|axis| step[axis] - before[axis]);
+        let lengths = length(before) * length(step);
+        let dot: f64 = before.iter().zip(step).map(|(a, b)| a * b).sum();
+        let turn = if lengths > 0.0 { (dot / lengths).clamp(-1.0, 1.0).acos() } else { 0.0 };
+        Self { mm: length(&turned), turn }
+    }
+}
+
 /// Acceleration and jerk along the path so far.
 pub(crate) struct AlongPath {
     pub(crate) limits: Vec<OfPath>,
     sums: VecDeque<Sum>,
     /// Whether the tool stands before the first of the sums.
     stands_before: bool,
-    /// The last setpoint, the step to it and the second difference there.
-    last: Option<(StepPlace, [f64; 3], f64)>,
+    /// The last setpoint, the step to it, and how it is bent at its begin.
+    last: Option<(StepPlace, [f64; 3], Bend)>,
     /// Setpoints still to come whose windows hold a difference that exceeds a limit.
     open: usize,
 }
@@ -84,15 +108,18 @@ impl AlongPath {
         let Some((before, step_before, bend)) = self.last else {
             self.stands_before = stands;
             self.sums.push_back(Sum { at, chords_mm: 0.0, hidden_mm: 0.0 });
-            self.last = Some((at, [0.0; 3], 0.0));
+            self.last = Some((at, [0.0; 3], Bend::default()));
             return;
         };
         let step: [f64; 3] = std::array::from_fn(|axis| at.point_mm[axis] - before.point_mm[axis]);
         let is_first = self.sums.len() == 1 && self.sums[0].at == before;
-        let turned = std::array::from_fn(|axis| step[axis] - step_before[axis]);
-        let next_bend = if is_first && !self.stands_before { 0.0 } else { length(&turned) };
+        let next_bend = if is_first && !self.stands_before {
+            Bend::default()
+        } else {
+            Bend::between(&step_before, &step)
+        };
         if !is_first {
-            self.add_chord(before, length(&step_before), bend.max(next_bend), rho_mm);
+            self.add_chord(before, length(&step_before), [bend, next_bend], rho_mm);
         }
         self.last = Some((at, step, next_bend));
     }
@@ -102,8 +129,8 @@ impl AlongPath {
         if let Some((at, step, bend)) = self.last.take()
             && self.sums.back().is_some_and(|sum| sum.at != at)
         {
-            let behind = if stands { length(&step) } else { 0.0 };
-            self.add_chord(at, length(&step), bend.max(behind), rho_mm);
+            let behind = Bend { mm: if stands { length(&step) } else { 0.0 }, turn: 0.0 };
+            self.add_chord(at, length(&step), [bend, behind], rho_mm);
             // Behind a rest the windows see what came before.
             let more = if stands && self.open > 0 {
                 SPAN
@@ -112,18 +139,23 @@ impl AlongPath {
             } else {
                 0
             };
-            (0..more).for_each(|_| self.add_chord(at, 0.0, 0.0, rho_mm));
+            (0..more).for_each(|_| self.add_chord(at, 0.0, [Bend::default(); 2], rho_mm));
         }
         self.sums.clear();
         (self.last, self.open) = (None, 0);
     }
 
-    fn add_chord(&mut self, at: StepPlace, chord_mm: f64, bend_mm: f64, rho_mm: f64) {
+    /// Adds a chord that is bent so at its begin and its end.
+    fn add_chord(&mut self, at: StepPlace, chord_mm: f64, [begin, end]: [Bend; 2], rho_mm: f64) {
         let Some(last) = self.sums.back().copied() else { return };
+        let bend_mm = begin.mm.max(end.mm);
         let bend = ABOVE_MEAN * bend_mm;
         let whole = bend / 12.0_f64.sqrt();
         let straight = chord_mm - 0.5 * bend_mm;
-        let short_mm = if straight > 0.0 { whole.min(bend * bend / (24.0 * straight)) } else { whole };
+        let in_bend_mm = if straight > 0.0 { whole.min(bend * bend / (24.0 * straight)) } else { whole };
+        let turn = begin.turn + end.turn;
+        let at_corner_mm = chord_mm * ((turn.min(SHARPEST) / 2.0).cos().recip() - 1.0);
+        let short_mm = in_bend_mm.max(at_corner_mm);
         let turned_mm = if chord_mm > 0.0 { (rho_mm * bend + 2.0 * rho_mm * rho_mm) / chord_mm } else { 0.0 };
         self.sums.push_back(Sum {
             at,

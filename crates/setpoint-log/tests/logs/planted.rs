@@ -294,3 +294,24 @@ fn a_junction_deviation_hides_no_limit() {
         assert!((limit.taken / limit.raw - 1.0).abs() < 0.05 && limit.taken > 2.0, "{limit:?}");
     }
 }
+
+/// A corner that is passed within a period at an even feed shortens one chord: that is no jerk of the path. Runs of a real program over
+/// corners of some degrees were said to break it.
+#[test]
+fn a_corner_within_a_period_is_no_jerk_along_the_path() {
+    let machine =
+        "[machine]\ninterpolation_period_ms = 1\nacceleration_mm_per_s2 = 100\njerk_mm_per_s3 = 1000\n";
+    for degrees in [1.0_f64, 6.0, 13.0, 40.0, 90.0] {
+        for phase in [0.1, 0.5, 0.8] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let point = |row: usize| {
+                let way = 0.05 * (row as f64 + phase) - 5.0;
+                if way < 0.0 { [way, 0.0] } else { [way * cos, way * sin] }
+            };
+            let row = |row: usize| point(row).map(|x| format!("{x:.9}")).join(",");
+            let log: String = (0..200).map(|number| row(number) + "\n").collect();
+            let found = judged(&format!("x,y\n{log}"), machine, None).unwrap();
+            assert_eq!(found.faults(), [""; 0], "{degrees} {phase}");
+        }
+    }
+}
