@@ -64,7 +64,6 @@ mod run {
     pub(crate) mod by_engine;
     pub(crate) mod c_files;
     pub(crate) mod constants;
-    mod few_backends;
     pub(crate) mod formats;
     pub(crate) mod in_order;
     pub(crate) mod job;

@@ -1,6 +1,6 @@
 //! The formats that a kernel is run in.
 
-use real::{Backend, FormatName, RuntimeFixed, RuntimeFormat};
+use real::{FormatName, RuntimeFormat, Work, in_few_backends};
 
 /// The formats that are compared by default, narrow before wide, fixed point before float.
 #[must_use]
@@ -20,26 +20,7 @@ pub fn named(name: &str) -> Option<FormatName> {
     (matches!(format, FormatName::Float { .. }) || RuntimeFormat::named(name).is_some()).then_some(format)
 }
 
-/// Work in the numbers of one format.
-pub(crate) trait Work {
-    /// The result.
-    type Output;
-
-    /// Does the work in the numbers `R`.
-    fn in_backend<R: Backend>(self) -> Self::Output;
-}
-
-/// Does `work` in a format, which [`named`] knows. Fixed point of every kind is the run-time format's, whose every
-/// operation gives the bits of the type that it stands for: so a kernel is compiled three times and not once for each
-/// format.
+/// Does `work` in a format, which [`named`] knows: a kernel is compiled three times and not once for each format.
 pub(crate) fn in_format<W: Work>(format: FormatName, work: W) -> W::Output {
-    let at_run_time = match format {
-        FormatName::Float { bits: 32 } => return work.in_backend::<f32>(),
-        FormatName::Fixed { .. } => RuntimeFormat::named(&format.to_string()),
-        _ => None,
-    };
-    match at_run_time {
-        Some(format) => format.run::<0, _>(|| work.in_backend::<RuntimeFixed<0>>()),
-        None => work.in_backend::<f64>(),
-    }
+    in_few_backends::<0, _>(format, work)
 }

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use real::{Backend, FormatName, Graph, Recorded};
+use real::{Backend, FormatName, Graph, Recorded, Work};
 use serde::Serialize;
 use target_cost::{Cost, RecordedRun, Target, cost, operations};
 
 use crate::bench::{Observer, run};
 use crate::case::Case;
 use crate::ended::Ended;
-use crate::formats::{Work, in_format, named};
+use crate::formats::{in_format, named};
 use crate::kernel::Kernel;
 use crate::refusal::Refusal;
 

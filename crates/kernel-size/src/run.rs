@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use real::{Audit, Audited, Backend, FormatName, Watch, Watched, Watching};
+use real::{Audit, Audited, Backend, FormatName, Watch, Watched, Watching, Work};
 use serde::Serialize;
 
 use crate::bench::{Observer, run};
 use crate::case::Case;
 use crate::ended::Ended;
-use crate::formats::{Work, in_format};
+use crate::formats::in_format;
 use crate::judge::{Judge, OutputFound};
 use crate::kernel::Kernel;
 use crate::reference::Reference;

@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use real::{Backend, FormatName, word_of};
+use real::{Backend, FormatName, Work, word_of};
 
 use crate::bench::{Observer, run};
 use crate::case::Case;
 use crate::ended::Ended;
-use crate::formats::{Work, in_format, named};
+use crate::formats::{in_format, named};
 use crate::kernel::Kernel;
 use crate::refusal::Refusal;
 

@@ -66,6 +66,8 @@ mod double_double;
 mod extremes;
 #[cfg(feature = "std")]
 mod fate;
+#[cfg(feature = "std")]
+mod few_backends;
 mod fixed_point;
 mod float;
 mod format_name;
@@ -104,6 +106,8 @@ pub use datapath::{Datapath, Overflow, Rounding};
 pub use double_double::DoubleDouble;
 #[cfg(feature = "std")]
 pub use extremes::Extremes;
+#[cfg(feature = "std")]
+pub use few_backends::{Work, in_few_backends};
 /// The crate whose types [`FixedPoint`] wraps.
 pub use fixed;
 pub use fixed_point::FixedPoint;

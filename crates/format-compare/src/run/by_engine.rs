@@ -2,13 +2,13 @@
 
 use std::marker::PhantomData;
 
-use real::{Audit, Backend, Extremes};
+use real::{Audit, Backend, Extremes, Work, in_few_backends};
 use secant_interp::Method;
 use target_cost::RecordedRun;
 
 use crate::refusal::Refusal;
 use crate::run::auditor::Auditor;
-use crate::run::few_backends::{Work, in_format_named};
+use crate::run::formats::FEW;
 use crate::run::job::Job;
 use crate::run::observer::{Observer, threads_for};
 use crate::run::on_pieces::PlannedSection;
@@ -22,7 +22,7 @@ pub(crate) fn audited<R: Backend, const D: usize>(
     observer: &dyn Observer,
 ) -> Result<AboutRun, Refusal> {
     let mut run = match job.options.engine.method() {
-        Some(method) => in_format_named(R::name(), OnGlobalParameter { job, method, observer }),
+        Some(method) => in_few_backends::<FEW, _>(R::name(), OnGlobalParameter { job, method, observer }),
         None => on_pieces::run::<R, D>(job, threads_for(observer), observer),
     }?;
     run.filament_step_mm = filament_step_mm::<R, D>(job);
@@ -30,10 +30,10 @@ pub(crate) fn audited<R: Backend, const D: usize>(
         return Ok(run);
     }
     if observer.wants_signals() {
-        let audit = in_format_named(R::name(), Auditing::<Audit, D>::of(job))?;
+        let audit = in_few_backends::<FEW, _>(R::name(), Auditing::<Audit, D>::of(job))?;
         (run.extremes, run.audit) = (Extremes::from(&audit), Some(audit));
     } else {
-        run.extremes = in_format_named(R::name(), Auditing::<Extremes, D>::of(job))?;
+        run.extremes = in_few_backends::<FEW, _>(R::name(), Auditing::<Extremes, D>::of(job))?;
     }
     Ok(run)
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::marker::PhantomData;
 
 use c_code::CFiles;
-use real::{Backend, FormatName, RuntimeFixed, RuntimeFormat};
+use real::{Backend, FormatName, RuntimeFixed, RuntimeFormat, Work, in_few_backends};
 use secant_interp::StreamHeader;
 use target_cost::RecordedRun;
 
@@ -14,13 +14,15 @@ use crate::refusal::Refusal;
 use crate::run::by_engine::{self, Recording};
 use crate::run::c_files::{self, CRequest};
 use crate::run::constants::Constants;
-use crate::run::few_backends::{Work, in_format_named};
 use crate::run::job::Job;
 use crate::run::observer::{Observer, with_steps};
 use crate::run::options::{Options, PlanIn};
 use crate::run::run::{AboutRun, Run};
 use crate::run::stream::{StreamFailure, StreamRequest, stream};
 use crate::run::vectors::{Vectors, Words, vectors};
+
+/// The slot of the run-time format in which work is done in few backends: in slot 0 the format of a run may be in force.
+pub(crate) const FEW: usize = 1;
 
 /// A number format that a part of dimension `D` can be run in.
 pub trait Format<const D: usize>: Send + Sync {
@@ -149,7 +151,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
     }
 
     fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal> {
-        in_format_named(self.within(R::name), Planning { problem, options })
+        in_few_backends::<FEW, _>(self.within(R::name), Planning { problem, options })
     }
 
     fn run_job(&self, job: &Job<'_, D>, observer: &dyn Observer) -> Result<AboutRun, Refusal> {
@@ -163,7 +165,10 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         most: usize,
     ) -> Result<RecordedRun, Refusal> {
-        in_format_named(self.within(R::name), Recording { job: Job::new(problem, plan, options), most })
+        in_few_backends::<FEW, _>(
+            self.within(R::name),
+            Recording { job: Job::new(problem, plan, options), most },
+        )
     }
 
     fn constants(
@@ -172,7 +177,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         plan: &ExactPlan,
         options: &Options,
     ) -> Result<Constants, Refusal> {
-        in_format_named(self.within(R::name), Compiling { job: Job::new(problem, plan, options) })
+        in_few_backends::<FEW, _>(self.within(R::name), Compiling { job: Job::new(problem, plan, options) })
     }
 
     fn c_files(
@@ -186,7 +191,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         if request.is_description {
             return self.within(|| c_files::c_files::<R, D>(&job, request));
         }
-        in_format_named(self.within(R::name), WritingC { job, request })
+        in_few_backends::<FEW, _>(self.within(R::name), WritingC { job, request })
     }
 
     fn stream(
@@ -196,11 +201,17 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         request: &mut StreamRequest<'_>,
     ) -> Result<StreamHeader, StreamFailure> {
-        in_format_named(self.within(R::name), Streaming { job: Job::new(problem, plan, options), request })
+        in_few_backends::<FEW, _>(
+            self.within(R::name),
+            Streaming { job: Job::new(problem, plan, options), request },
+        )
     }
 
     fn vectors(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Vectors, Refusal> {
-        in_format_named(self.within(R::name), WritingVectors { job: Job::new(problem, plan, options) })
+        in_few_backends::<FEW, _>(
+            self.within(R::name),
+            WritingVectors { job: Job::new(problem, plan, options) },
+        )
     }
 }
 
