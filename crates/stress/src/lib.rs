@@ -4,6 +4,7 @@
 //! |---|---|
 //! | which path, within which limits? | [`RandomPath`], made from bytes of a fuzzer, a property test or a seeded generator |
 //! | which numbers, valid or not? | [`any_curve`], [`any_number`] |
+//! | which path of a name? | [`paper_a`], [`ten_points`], [`lines`]; others are made by [`curves_at`] |
 //! | what does the plan promise? | [`PlannedPath`], [`PlannedPath::check`] |
 //! | what does each step on pieces promise? | [`OnPieces`] |
 //! | what does each step on the global parameter promise? | [`OnCurve`] |
@@ -15,6 +16,7 @@
 //! A broken promise is a [`Violation`]; a refused path is not.
 
 mod generate;
+mod named_paths;
 mod next_setpoint;
 mod on_curve;
 mod on_pieces;
@@ -27,6 +29,7 @@ mod step_bound;
 mod violation;
 
 pub use generate::{RandomPath, any_curve, any_number};
+pub use named_paths::{bezier, curves_at, lines, paper_a, passing, polyline, ten_points};
 pub use on_curve::{CurveFigures, OnCurve};
 pub use on_pieces::{OnPieces, PieceFigures};
 pub use piece_points::check_pieces;

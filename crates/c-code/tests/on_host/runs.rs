@@ -3,9 +3,9 @@
 use feed_plan::ProfileKind;
 use real::I4F28;
 use secant_interp::TABLE_LAYOUT;
-use stress::RandomPath;
+use stress::{RandomPath, curves_at};
 
-use crate::paths::{at, lines, paper_a, ten_points};
+use crate::paths::{lines, paper_a, ten_points};
 use crate::planned_path::PlannedPath;
 use crate::program::Parts;
 
@@ -36,7 +36,7 @@ in_every_format! {
     half_cosines_run_as_in_rust: RandomPath { profile: ProfileKind::Trigonometric, ..paper_a() }, 2;
     constant_jerk_runs_as_in_rust: paper_a().fastest(), 1;
     // In I4F28, x is above 2 here: no factor for the products of halves.
-    long_chords_run_as_in_rust: at(0.72, paper_a().curves), 0;
+    long_chords_run_as_in_rust: curves_at(0.72, paper_a().curves), 0;
 }
 
 /// What the other tests find of the run-time format holds for the format that is compiled.
