@@ -203,8 +203,7 @@ impl ExactPlan {
     /// `problem` must be the one that was planned.
     pub(crate) fn lead<const D: usize>(&self, problem: &Problem<D>) -> Option<Lead<f64>> {
         *self.lead.get_or_init(|| {
-            let [arcs, chords] = [&self.arcs, &self.chords]
-                .map(|stages| stages.iter().map(|stage| stage.map(DoubleDouble::value)).collect::<Vec<_>>());
+            let [arcs, chords] = self.in_f64();
             let lead = |limit: &FeedLimit<f64>| limit.lead(&problem.fast_curves(), &arcs, &chords, 1.0);
             match self.limit.get() {
                 Some(limit) => Some(lead(limit)),
@@ -249,11 +248,16 @@ impl ExactPlan {
         self.profile
     }
 
+    /// The stages in arcs and in chords, in f64.
+    fn in_f64(&self) -> [Vec<Stage<f64>>; 2] {
+        [&self.arcs, &self.chords]
+            .map(|stages| stages.iter().map(|stage| stage.map(DoubleDouble::value)).collect())
+    }
+
     /// By which part of itself the feed is lowered for setpoints, at most: at a period's end the feed of the [`schedule`](Self::schedule) is
     /// less than that of [`arcs`](Self::arcs) by as much as chords are shorter than arcs. Feeds of a quarter of the greatest count.
     pub(crate) fn lowering(&self) -> f64 {
-        let [arcs, chords] = [&self.arcs, &self.chords]
-            .map(|stages| stages.iter().map(|stage| stage.map(DoubleDouble::value)).collect::<Vec<_>>());
+        let [arcs, chords] = self.in_f64();
         let sections = [&arcs, &chords].map(|stages| section_periods(stages));
         let [planned, lowered] =
             [Lengths::from(&arcs, &sections[0], 0), Lengths::from(&chords, &sections[1], 0)];

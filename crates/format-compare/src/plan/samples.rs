@@ -1,7 +1,7 @@
 //! A plan sampled at instants.
 
 use feed_plan::{FeedLimit, Stage, StageKind};
-use nurbs_core::{Differentiate, FastCurve, arc_length};
+use nurbs_core::{FastCurve, parameter_at};
 use real::{DoubleDouble, Real};
 use serde::Serialize;
 
@@ -69,34 +69,25 @@ fn for_a_picture(plan: &ExactPlan, most: u64) -> Vec<u64> {
     periods
 }
 
-/// An arc length is known within this, in mm.
+/// The arc length up to a parameter is the distance within this, in mm.
 const ARC_TOLERANCE_MM: f64 = 1e-11;
-/// Each of Newton's steps from the limit's cubic squares what is left of its error, so that the last one of three finds nothing to do.
-const NEWTON_STEPS: usize = 4;
 
-/// Curve and parameter at `distance` along the path, by Newton's steps from the limit's own one, which lies on a cubic between two of the
-/// limit's points: `u ← u - (s(u) - distance)/|C'(u)|`, with s from the point before, on the same curve.
+/// Curve and parameter at `distance` along the path: by the arc length from the limit's point before, where the limit itself has a cubic
+/// between two points.
 fn exact_parameter<const D: usize>(
     limit: &FeedLimit<f64>,
     curves: &[FastCurve<'_, D>],
     distance: f64,
 ) -> (usize, f64) {
-    let (number, mut u) = limit.parameter_at(distance);
+    let (number, near) = limit.parameter_at(distance);
     let from = limit.point_before(distance).filter(|point| point.curve == number);
-    let (Some(curve), Some(from)) = (curves.get(number), from) else { return (number, u) };
-    if let FastCurve::Line(_) = curve {
-        return (number, u);
-    }
-    for _ in 0..NEWTON_STEPS {
-        let way = arc_length(curve, from.u, u, ARC_TOLERANCE_MM).length;
-        let off = from.distance + if u < from.u { -way } else { way } - distance;
-        let speed = f64::norm(&curve.derivatives(u).first);
-        if off.abs() <= ARC_TOLERANCE_MM || speed <= 0.0 {
-            break;
+    match (curves.get(number), from) {
+        (Some(curve @ (FastCurve::Polynomials(_) | FastCurve::Basis(_))), Some(from)) => {
+            let way = distance - from.distance;
+            (number, parameter_at(curve, from.u, way, ARC_TOLERANCE_MM).parameter())
         }
-        u = (u - off / speed).max(from.u);
+        _ => (number, near),
     }
-    (number, u)
 }
 
 /// One over a stage's duration; 0 if it has none.
