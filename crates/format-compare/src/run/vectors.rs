@@ -65,13 +65,19 @@ pub struct RegisterWord {
     pub bits: u32,
 }
 
+impl RegisterWord {
+    fn of(&(signal, format): &(&'static str, FormatName)) -> Self {
+        Self { signal, format: format.to_string(), bits: format.bits() }
+    }
+}
+
 /// What the words of a run are.
 #[derive(Clone, Copy)]
 pub(crate) enum Words<'a> {
     /// Numbers of one format, as wide as this.
     OfFormat(FormatName),
-    /// Numbers of [`Quantized`](real::Quantized): each signal has the word of its register.
-    Registers(&'a [RegisterWord]),
+    /// Numbers of [`Quantized`](real::Quantized): each signal has the word of its register, which has this format.
+    Registers(&'a [(&'static str, FormatName)]),
 }
 
 impl Words<'_> {
@@ -80,9 +86,8 @@ impl Words<'_> {
         match self {
             Words::OfFormat(format) => format,
             Words::Registers(registers) => {
-                let register = registers.iter().find(|register| register.signal == signal);
-                let named = register.and_then(|register| FormatName::named(&register.format));
-                named.unwrap_or(FormatName::Float { bits: 64 })
+                let register = registers.iter().find(|(name, _)| *name == signal);
+                register.map_or(FormatName::Float { bits: 64 }, |(_, format)| *format)
             }
         }
     }
@@ -108,7 +113,9 @@ impl Words<'_> {
     fn widest(self) -> u32 {
         match self {
             Words::OfFormat(format) => format.bits(),
-            Words::Registers(registers) => registers.iter().map(|one| one.bits).max().unwrap_or(64),
+            Words::Registers(registers) => {
+                registers.iter().map(|(_, format)| format.bits()).max().unwrap_or(64)
+            }
         }
     }
 }
@@ -192,7 +199,7 @@ pub(crate) fn vectors<R: Backend, const D: usize>(
         signals: names,
         registers: match words {
             Words::OfFormat(_) => Vec::new(),
-            Words::Registers(registers) => registers.to_vec(),
+            Words::Registers(registers) => registers.iter().map(RegisterWord::of).collect(),
         },
     };
     Ok(Vectors { about, periods, signals })

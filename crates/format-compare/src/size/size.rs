@@ -26,7 +26,7 @@ use crate::run::job::Job;
 use crate::run::observer::Observer;
 use crate::run::on_pieces;
 use crate::run::options::Options;
-use crate::run::vectors::{RegisterWord, Vectors, Words, vectors};
+use crate::run::vectors::{Vectors, Words, vectors};
 use crate::size::fewest_bits::narrowest;
 use crate::size::signals::group_and_meaning;
 use crate::size::trial::{Trial, WIDTHS, search_options};
@@ -217,17 +217,13 @@ pub fn register_vectors<const D: usize>(
         return Ok(None);
     };
     let options = stopping_at(&search_options(options), fraction_bits);
-    let fraction_bits = |register: &Register| match FormatName::named(&register.format) {
-        Some(FormatName::Fixed { fraction_bits, .. }) => Some((register.signal, fraction_bits.cast_signed())),
+    let named = |register: &Register| Some((register.signal, FormatName::named(&register.format)?));
+    let words: Vec<_> = mixed.signals.iter().filter_map(named).collect();
+    let fraction_bits = |&(signal, format): &(&'static str, FormatName)| match format {
+        FormatName::Fixed { fraction_bits, .. } => Some((signal, fraction_bits.cast_signed())),
         _ => None,
     };
-    let registers: Vec<_> = mixed.signals.iter().filter_map(fraction_bits).collect();
-    let word = |Register { signal, format, bits, .. }: &Register| RegisterWord {
-        signal,
-        format: format.clone(),
-        bits: *bits,
-    };
-    let words: Vec<_> = mixed.signals.iter().map(word).collect();
+    let registers: Vec<_> = words.iter().filter_map(fraction_bits).collect();
     let job = Job::new(problem, plan, &options);
     // The registers are those of this thread.
     let run = || vectors::<Quantized, D>(&job, Words::Registers(&words));
