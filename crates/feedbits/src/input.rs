@@ -170,17 +170,33 @@ impl Reading {
         self.machine.as_deref().map(presets::read).transpose()
     }
 
+    /// What reads parts by these options: the tool table that they name is read here, once for all parts.
+    pub(crate) fn reader(&self) -> Result<PartReader> {
+        let tools = match &self.tools {
+            None => ToolTable::default(),
+            Some(path) => {
+                let text = files::text("--tools", path, files::MOST_OF_SMALL)?;
+                ToolTable::read(&path.display().to_string(), &text, self.units.unwrap_or(Unit::Millimetre))?
+            }
+        };
+        Ok(PartReader { options: self.options(), tools })
+    }
+}
+
+/// The options of the part's reader, with the tool table.
+pub(crate) struct PartReader {
+    options: ReadOptions,
+    tools: ToolTable,
+}
+
+impl PartReader {
     /// The text of the part in a file.
     pub(crate) fn text_of(&self, path: &Path) -> Result<Text> {
-        let (name, bytes) = (path.display().to_string(), bytes("the part", path, MOST_OF_PART)?);
-        Ok(Text { name, bytes, options: self.options(), tools: self.tool_table()? })
+        Ok(self.text(path.display().to_string(), bytes("the part", path, MOST_OF_PART)?))
     }
 
-    /// The tool table that the options name, or an empty one.
-    fn tool_table(&self) -> Result<ToolTable> {
-        let Some(path) = &self.tools else { return Ok(ToolTable::default()) };
-        let text = files::text("--tools", path, files::MOST_OF_SMALL)?;
-        Ok(ToolTable::read(&path.display().to_string(), &text, self.units.unwrap_or(Unit::Millimetre))?)
+    fn text(&self, name: String, bytes: Vec<u8>) -> Text {
+        Text { name, bytes, options: self.options, tools: self.tools.clone() }
     }
 }
 
@@ -221,17 +237,17 @@ impl Input {
 
     /// The part's text.
     pub(crate) fn text(&self) -> Result<Text> {
-        let options = self.reading.options();
+        let reader = self.reading.reader()?;
         let (name, bytes) = match &self.part {
             Some(path) if path == Path::new("-") => {
                 let name = "standard input";
                 claims::read_standard_input()?;
                 (name.to_string(), taken(name, std::io::stdin().lock(), MOST_OF_PART)?)
             }
-            Some(path) => return self.reading.text_of(path),
+            Some(path) => return reader.text_of(path),
             None => ("built-in example".to_string(), EXAMPLE.into()),
         };
-        Ok(Text { name, bytes, options, tools: self.reading.tool_table()? })
+        Ok(reader.text(name, bytes))
     }
 
     /// The machine that the options name, or that the part's file contains.

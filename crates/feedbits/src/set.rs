@@ -23,6 +23,7 @@ use target_cost::Target;
 
 use crate::ending::Ending;
 use crate::fingerprint::fingerprint_of;
+use crate::input::PartReader;
 use crate::places::{Folder, Place};
 use crate::run_arguments::RunArguments;
 use crate::{interrupt, output, report};
@@ -62,7 +63,7 @@ pub(crate) fn run<W: OfEachPart>(
 ) -> Result<Ending> {
     let (resumed, folder) = (parts.resumed(W::COMMAND)?, parts.cache()?);
     let files = parts.files()?;
-    let machine = parts.reading().machine()?;
+    let (machine, reader) = (parts.reading().machine()?, parts.reading().reader()?);
     let set = SetOfParts {
         set: W::COMMAND.to_string(),
         fingerprint: fingerprint_of(&format!(
@@ -72,10 +73,10 @@ pub(crate) fn run<W: OfEachPart>(
             env!("CARGO_PKG_VERSION"),
             outputs.targets,
         )),
-        parts: in_parallel(&files, |file| part_of_set(parts, file)),
+        parts: in_parallel(&files, |file| part_of_set(&reader, file)),
     };
     let store = Store::open(&set, resumed.as_ref(), folder)?;
-    let search = Search::new((work, run), (parts.reading(), machine), &files, &set, store);
+    let search = Search::new((work, run), (&reader, machine), &files, &set, store);
     let shard = parts.shard();
     let mut left: Vec<usize> = (0..files.len())
         .filter(|part| shard.is_none_or(|shard| shard.has(*part)))
@@ -117,8 +118,8 @@ pub(crate) fn run<W: OfEachPart>(
 }
 
 /// A part of the set, known by what it says now.
-fn part_of_set(parts: &Parts, file: &PartFile) -> PartOfSet {
-    let text = parts.reading().text_of(&file.path);
+fn part_of_set(reader: &PartReader, file: &PartFile) -> PartOfSet {
+    let text = reader.text_of(&file.path);
     PartOfSet {
         name: file.name.clone(),
         fingerprint: text.map_or_else(|_| String::new(), |text| text.fingerprint()),

@@ -20,7 +20,7 @@ use serde_json::Value;
 
 use crate::fingerprint::fingerprint_of;
 use crate::formats::selected;
-use crate::input::{AnyProblem, Reading, in_part, part_of, with_machine};
+use crate::input::{AnyProblem, PartReader, in_part, part_of, with_machine};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::set::known::{Broken, Finished, GoodRun, Limiting, PartEnding, SetLine, SetOfParts, Tried};
@@ -34,7 +34,7 @@ use crate::{interrupt, output};
 pub(crate) struct Search<'a, W> {
     pub(crate) work: &'a W,
     pub(crate) run: &'a RunArguments,
-    pub(crate) reading: &'a Reading,
+    reader: &'a PartReader,
     /// The machine, if the options name one.
     pub(crate) machine: Option<Machine>,
     pub(crate) files: &'a [PartFile],
@@ -79,13 +79,13 @@ fn one_bit_fewer(format: FormatName) -> Option<FormatName> {
 impl<'a, W: OfEachPart> Search<'a, W> {
     pub(crate) fn new(
         (work, run): (&'a W, &'a RunArguments),
-        (reading, machine): (&'a Reading, Option<Machine>),
+        (reader, machine): (&'a PartReader, Option<Machine>),
         files: &'a [PartFile],
         set: &'a SetOfParts,
         store: Store,
     ) -> Self {
         let (store, plans, remarked) = (Mutex::new(store), Mutex::default(), AtomicUsize::new(0));
-        Self { work, run, reading, machine, files, set, store, plans, remarked }
+        Self { work, run, reader, machine, files, set, store, plans, remarked }
     }
 
     /// What is known.
@@ -185,7 +185,7 @@ impl<'a, W: OfEachPart> Search<'a, W> {
     /// The problem of a part with the checksum of its text, or how it is refused.
     fn problem(&self, part: usize) -> Result<Result<(AnyProblem, u32), PartEnding>> {
         let (file, known) = (&self.files[part], &self.set.parts[part].fingerprint);
-        let text = match self.reading.text_of(&file.path) {
+        let text = match self.reader.text_of(&file.path) {
             Ok(text) => text,
             Err(error) => return Ok(Err(PartEnding::Unread(format!("{error:#}")))),
         };
