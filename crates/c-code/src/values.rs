@@ -163,7 +163,7 @@ pub(crate) struct CrossingRow {
 pub(crate) enum Reader {
     /// A compiler of C, which has types of certain widths.
     Compiler,
-    /// What takes the step as a description, and has its own numbers.
+    /// A compiler of hardware, which has numbers of its own widths.
     Hardware,
 }
 

@@ -125,7 +125,7 @@ pub const START: Key = Key {
 
 /// Periods of a log.
 pub const LOG_PERIOD: Key = like("judge --period", PERIOD, "the time between two setpoints of a log");
-/// What a log's positions are rounded by.
+/// How far a motion may be from the positions of its log.
 pub const RESOLUTION: Key =
     Key::number("--resolution", LENGTH, "how far the motion may be from the positions of a log")
         .optional("half of a unit of their last decimal");

@@ -160,7 +160,7 @@ where
     let to_plan =
         overrides.as_ref().map_or(Cow::Borrowed(problem), |overrides| Cow::Owned(overrides.to_plan(problem)));
     expect_an_end(&to_plan, &options)?;
-    // What C, or the core, cannot hold is refused before the long run of the judge.
+    // A format that C or the core cannot hold is refused before the long run of the judge.
     match place {
         Destination::C(_) => c::expect_type(format)?,
         Destination::Verilog(_) => verilog::expect_format(format)?,

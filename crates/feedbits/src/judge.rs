@@ -71,7 +71,7 @@ struct Judged<'a> {
     command: &'static str,
     log: &'a str,
     machine: &'a StatedLimits,
-    /// What is not as it should be, in short; it decides the exit status.
+    /// The faults, in short: with any of them the status is 1.
     faults: &'a [String],
     #[serde(flatten)]
     judgement: &'a Judgement,

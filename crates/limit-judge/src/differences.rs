@@ -25,11 +25,11 @@ use crate::stated_limit::{Of, StatedLimit};
 use crate::worst::{StepPlace, Worst, is_less};
 
 /// The number of windows, which are 1, 2, 4, … periods wide.
-const WINDOWS: usize = 9;
+pub const WINDOWS: usize = 9;
 /// Periods of the widest one.
 const WIDEST: usize = 1 << (WINDOWS - 1);
 /// Setpoints that the widest third difference spans.
-const SPAN: usize = 3 * WIDEST + 1;
+pub const SPAN: usize = 3 * WIDEST + 1;
 
 /// A way along the path, in mm.
 #[derive(Clone, Copy, Debug, Default)]

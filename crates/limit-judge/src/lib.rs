@@ -35,6 +35,6 @@ mod differences;
 mod stated_limit;
 mod worst;
 
-pub use differences::{Corner, Differences, LimitFinding, Setpoint, Way};
+pub use differences::{Corner, Differences, LimitFinding, SPAN, Setpoint, WINDOWS, Way};
 pub use stated_limit::{Of, StatedLimit};
 pub use worst::{StepPlace, Worst, is_less};

@@ -17,14 +17,10 @@
 
 use std::collections::VecDeque;
 
-use limit_judge::{StepPlace, Worst, is_less};
+use limit_judge::{SPAN, StepPlace, WINDOWS, Worst, is_less};
 
 use crate::period::length;
 
-/// The number of windows, which are 1, 2, 4, … periods wide.
-const WINDOWS: usize = 9;
-/// Setpoints that the widest third difference spans.
-const SPAN: usize = (3 << (WINDOWS - 1)) + 1;
 /// By how much the second difference at a place may be above its mean over two periods.
 const ABOVE_MEAN: f64 = 1.5;
 /// The most by which a corner is taken to turn, in radians: beyond, legs are longer than a log lets anybody say.

@@ -1,4 +1,4 @@
-//! What was found in a log.
+//! The findings of a log.
 
 use serde::Serialize;
 
@@ -38,7 +38,7 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// What is not as it should be, in short.
+    /// The faults, in short.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let broken = self.limits.iter().filter(|limit| limit.verdict == LimitVerdict::Broken);

@@ -1,4 +1,4 @@
-//! What was found in a log, as a table.
+//! The findings of a log as a table.
 
 use std::fmt::Write;
 
