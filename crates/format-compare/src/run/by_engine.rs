@@ -8,8 +8,7 @@ use target_cost::RecordedRun;
 
 use crate::refusal::Refusal;
 use crate::run::auditor::Auditor;
-use crate::run::formats::FEW;
-use crate::run::job::Job;
+use crate::run::job::{FEW, Job};
 use crate::run::observer::{Observer, threads_for};
 use crate::run::on_pieces::PlannedSection;
 use crate::run::run::{AboutRun, own_step_mm};

@@ -14,15 +14,12 @@ use crate::refusal::Refusal;
 use crate::run::by_engine::{self, Recording};
 use crate::run::c_files::{self, CRequest};
 use crate::run::constants::Constants;
-use crate::run::job::Job;
+use crate::run::job::{FEW, Job};
 use crate::run::observer::{Observer, with_steps};
 use crate::run::options::{Options, PlanIn};
 use crate::run::run::{AboutRun, Run};
 use crate::run::stream::{StreamFailure, StreamRequest, stream};
 use crate::run::vectors::{Vectors, Words, vectors};
-
-/// The slot of the run-time format in which work is done in few backends: in slot 0 the format of a run may be in force.
-pub(crate) const FEW: usize = 1;
 
 /// A number format that a part of dimension `D` can be run in.
 pub trait Format<const D: usize>: Send + Sync {

@@ -11,6 +11,9 @@ use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::options::Options;
 
+/// The slot of the run-time format in which work is done in few backends: in slot 0 the format of a run may be in force.
+pub(crate) const FEW: usize = 1;
+
 /// A run that is to be made, in one format or in several.
 pub struct Job<'a, const D: usize> {
     pub(crate) problem: &'a Problem<D>,
