@@ -464,7 +464,7 @@ def long_lines():
     an_hour = hours.replace(b"F60\n", b"F6000\n").replace(b"M2\n", b"G1 X900\nG1 X0\n" * 150 + b"M2\n")
     slow, of = {**machine, "part.nc": hours}, commands()
     # Is planned at once and written for long.
-    straight = {**machine, "part.nc": b"G21 G90\nG0 X0 Y0\nG1 X1000 F6\nG1 X0\nM2\n"}
+    straight = {**machine, "part.nc": b"G21 G90\nG0 X0 Y0\nG1 X200 F6\nG1 X0\nM2\n"}
     many = lambda moves: {**machine, "part.nc": long_part(moves)}
     return {
         "compare": (of["compare"], slow),
