@@ -8,7 +8,6 @@ mod compiled;
 mod contestants;
 mod degrees;
 mod evaluation;
-mod lanes;
 mod newton;
 mod race;
 mod real_time_step;
@@ -92,19 +91,6 @@ fn main() {
         real_time_step::formats(&a, false);
         real_time_step::formats(&b, true);
         real_time_step::formats(&c, false);
-    }
-    if wanted("lanes") {
-        lanes::lanes::<f64, 2, 32>(&a);
-        lanes::lanes::<f32, 2, 64>(&a);
-        lanes::lanes::<f64, 2, 32>(&b);
-        lanes::lanes::<f32, 2, 64>(&b);
-        lanes::lanes::<f64, 3, 32>(&c);
-        lanes::lanes::<f32, 3, 64>(&c);
-        for (name, degree, rational) in lanes::HELICES {
-            let helix = helix_of_degree(name, degree, 100, rational);
-            lanes::lanes::<f64, 3, 32>(&helix);
-            lanes::lanes::<f32, 3, 64>(&helix);
-        }
     }
     if wanted("step-growth") {
         real_time_step::growth(&[100, 1000, 10_000, 100_000]);

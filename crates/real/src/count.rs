@@ -150,7 +150,7 @@ impl<R: Backend> Wrapper for Counted<R> {
         OperationCounts::note(|counts| counts.compare += 1);
     }
 
-    fn converted(_high: f64, _low: f64, result: R) -> Self {
+    fn converted(result: R) -> Self {
         OperationCounts::note(|counts| counts.convert += 1);
         Self(result)
     }

@@ -1,6 +1,6 @@
 //! The float backends: `f64` and `f32`, with IEEE 754 semantics.
 
-use crate::{Backend, FormatName, Lane, Real};
+use crate::{Backend, FormatName, Real};
 
 #[cfg(not(any(feature = "std", feature = "libm")))]
 compile_error!("enable the feature `std` or `libm`: core has no square root of floats");
@@ -110,14 +110,6 @@ macro_rules! float_backend {
             #[inline]
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
-            }
-        }
-
-        impl Lane for $float {
-            #[inline]
-            fn part_of_one(self) -> (u64, bool) {
-                let (distance, significand) = phase::$float::parts(self);
-                (significand >> (distance & 63), distance.cast_unsigned() < 62)
             }
         }
     };

@@ -30,7 +30,6 @@
 //! | wrapper | sees |
 //! |---|---|
 //! | `Audited`, read by `Audit::of` | overflows, underflows, and the range and `Histogram` of every named signal |
-//! | `Shadowed`, read by `Audit::of` too | how far every named signal is from the same signal in a more precise format |
 //! | `Counted`, read by `OperationCounts::of` | how many operations of each kind are done |
 //! | `Watched`, read by `Watch::of` | which way a kernel went at every comparison, and how many integer bits its results need |
 //! | `Recorded`, read by `Graph::of` | which operation takes its operands from which |
@@ -74,7 +73,6 @@ mod format_name;
 mod from_word;
 #[cfg(feature = "std")]
 mod histogram;
-mod lane;
 #[cfg(feature = "std")]
 mod named;
 mod operation;
@@ -88,7 +86,6 @@ mod record;
 #[cfg(feature = "std")]
 mod runtime_format;
 #[cfg(feature = "std")]
-mod shadow;
 mod square_root;
 mod trigonometry;
 #[cfg(feature = "std")]
@@ -115,7 +112,6 @@ pub use format_name::FormatName;
 pub use from_word::{FromWord, word_of};
 #[cfg(feature = "std")]
 pub use histogram::Histogram;
-pub use lane::Lane;
 #[cfg(feature = "std")]
 pub use named::{Named, named_words};
 pub use operation::Operation;
@@ -128,7 +124,6 @@ pub use record::{Graph, Node, NodeId, NodeKind, Recorded};
 #[cfg(feature = "std")]
 pub use runtime_format::{RuntimeFixed, RuntimeFormat, RuntimeFormats};
 #[cfg(feature = "std")]
-pub use shadow::Shadowed;
 pub use trigonometry::{Trigonometric, sine_terms};
 #[cfg(feature = "std")]
 pub use watch::{Decision, Watch, Watched, Watching};

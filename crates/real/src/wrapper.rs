@@ -44,7 +44,7 @@ pub(crate) trait Wrapper: Copy + Debug + Default {
     }
 
     /// The backend has rounded an input.
-    fn converted(_high: f64, _low: f64, result: Self::Inner) -> Self {
+    fn converted(result: Self::Inner) -> Self {
         Self::constant(result)
     }
 
@@ -83,22 +83,6 @@ pub(crate) fn with_operands<W: Wrapper, T>(
         count += 1;
     }
     act(if many.is_empty() { few[..count].as_flattened() } else { many.as_flattened() })
-}
-
-/// Applies `of` to each number and calls `act` with the results; up to eight need no heap.
-pub(crate) fn with_each<T, U: Copy + Default, V>(
-    numbers: &[T],
-    of: impl Fn(&T) -> U,
-    act: impl FnOnce(&[U]) -> V,
-) -> V {
-    let mut few = [U::default(); 8];
-    match few.get_mut(..numbers.len()) {
-        Some(few) => {
-            few.iter_mut().zip(numbers).for_each(|(place, number)| *place = of(number));
-            act(few)
-        }
-        None => act(&numbers.iter().map(of).collect::<Vec<U>>()),
-    }
 }
 
 /// Makes a `Backend` of a `Wrapper`.
@@ -322,7 +306,7 @@ macro_rules! wrapper {
             }
 
             fn from_f64_pair(high: f64, low: f64) -> Option<Self> {
-                <Self as Wrapper>::Inner::from_f64_pair(high, low).map(|result| Self::converted(high, low, result))
+                <Self as Wrapper>::Inner::from_f64_pair(high, low).map(Self::converted)
             }
 
             fn to_f64_pair(self) -> (f64, f64) {

@@ -6,7 +6,6 @@
 //! |---|---|---|
 //! | | how far does each period go? | [`StepLengths`], made of [`LengthStage`]s |
 //! | `pieces/` | where does a chord end on compiled pieces? One chord without division, joints, runs from rest to rest | [`PieceInterpolator`], [`Chord`], [`Section`] |
-//! | | the same for many runs at once, with the feature `lanes` | `LaneInterpolator` |
 //! | `global_parameter/` | where does a chord end on a curve with one parameter? Paper A's step | [`Interpolator`], [`secant`], [`predictor`], [`taylor`], [`CurvePart`] |
 //! | `feed_override/` | which chord, while an operator turns the feed down or holds it? | [`FeedOverride`], [`PieceInterpolator::step_overridden`] |
 //! | `compiled/` | how is a run stored for a controller, and does it make the same setpoints there? | `CompiledPath` (feature `alloc`; with an example from curve to setpoints), `Constant` (feature `std`), [`PositionChecksum`] |
@@ -44,7 +43,6 @@
 //! | `libm` | square roots of floats without std |
 //! | `alloc` | `CompiledPath`: path and plan are compiled on the machine that runs them; without it no allocator is linked |
 //! | `cubic` | a step on cubics that takes fewer instructions and more flash |
-//! | `lanes` | simulations on a large machine |
 //!
 //! # Source
 //! *Paper A*: Wang Y., Gai R., Sun Y., Yang D., Han J., "NURBS interpolation algorithm for high-quality machining"
@@ -71,10 +69,6 @@ mod pieces {
     pub(crate) mod alike;
     pub(crate) mod chord_step;
     pub(crate) mod joint;
-    #[cfg(feature = "lanes")]
-    pub(crate) mod lane_numbers;
-    #[cfg(feature = "lanes")]
-    pub(crate) mod lanes;
     pub(crate) mod over_joints;
     pub(crate) mod piece_interpolator;
     pub(crate) mod place;
@@ -134,8 +128,6 @@ pub use global_parameter::secant::{Outcome, Tolerance};
 pub use global_parameter::{predictor, secant, taylor};
 pub use pieces::alike::Course;
 pub use pieces::chord_step::{BEHIND_JOINT, Chord, ChordBefore, ChordTolerance};
-#[cfg(feature = "lanes")]
-pub use pieces::lanes::LaneInterpolator;
 pub use pieces::piece_interpolator::PieceInterpolator;
 pub use pieces::section::Section;
 pub use pieces::state::{PieceSetpoint, PieceState};

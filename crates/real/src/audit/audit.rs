@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::audit::signal::Signal;
 use crate::audit::signal_range::SignalRange;
-use crate::audit::thread_record::{Record, lost_so_far, note};
+use crate::audit::thread_record::{Record, lost_so_far};
 use crate::{Extremes, Histogram};
 
 /// The record that [`Audit::of`] makes of a run.
@@ -71,20 +71,9 @@ impl Audit {
             signal.include_words();
             let Signal { name, range, histogram, .. } = signal;
             audit.signals.insert(name, range);
-            // A signal of which only errors were noted has no values.
-            if range.count > 0 {
-                audit.histograms.insert(name, histogram);
-            }
+            audit.histograms.insert(name, histogram);
         }
         audit
-    }
-
-    /// Notes the distance of a signal from its shadow.
-    pub(crate) fn note_error(name: &'static str, error: f64) {
-        note(|record| {
-            let largest = &mut record.signal(name).range.max_error;
-            *largest = Some(largest.map_or(error, |largest| largest.max(error)));
-        });
     }
 }
 

@@ -17,8 +17,6 @@ pub struct SignalRange {
     pub overflows: u64,
     /// Underflows to zero between the same two signals.
     pub underflows: u64,
-    /// Largest distance between value and shadow; `None` if the signal was not [`Shadowed`](crate::Shadowed).
-    pub max_error: Option<f64>,
 }
 
 impl SignalRange {
@@ -43,10 +41,6 @@ impl SignalRange {
         self.zeros += other.zeros;
         self.overflows += other.overflows;
         self.underflows += other.underflows;
-        self.max_error = match (self.max_error, other.max_error) {
-            (Some(one), Some(other)) => Some(one.max(other)),
-            (one, other) => one.or(other),
-        };
     }
 }
 
@@ -60,7 +54,6 @@ impl Default for SignalRange {
             zeros: 0,
             overflows: 0,
             underflows: 0,
-            max_error: None,
         }
     }
 }

@@ -122,7 +122,7 @@ pub(super) fn lost_so_far() -> u64 {
 }
 
 #[inline]
-pub(super) fn note(change: impl FnOnce(&mut Record)) {
+fn note(change: impl FnOnce(&mut Record)) {
     RECORD.with(|record| change(&mut record.borrow_mut()));
 }
 

@@ -6,8 +6,6 @@ mod compiled_pieces;
 mod degenerate_paths;
 mod landing;
 mod landing_run;
-#[cfg(feature = "lanes")]
-mod lanes;
 mod nonsense_fields;
 mod operation_counts;
 mod overridden;
