@@ -8,6 +8,7 @@
 //! | what is a report made of? | [`Material`], [`Solver`], [`Schedule`] |
 //! | where does a format stay good? | [`Sweep`], [`SweepCell`] |
 //! | which format is good for many parts? | [`SetPage`], [`PartOfSet`] |
+//! | what did a controller do, by its log? | [`LogPage`], [`LogLimitRow`], [`LogPathPoint`] |
 //! | what does it consist of? | [`Report`], [`Figure`], [`Table`] |
 //! | what is a picture of any lines? | [`LineChart`] |
 //!
@@ -25,6 +26,8 @@ mod figure;
 mod figures;
 mod frame;
 mod line_chart;
+mod log_page;
+mod log_path_point;
 mod material;
 mod number;
 mod palette;
@@ -38,6 +41,8 @@ mod thinned;
 
 pub use figure::Figure;
 pub use line_chart::LineChart;
+pub use log_page::{LogLimitRow, LogPage};
+pub use log_path_point::LogPathPoint;
 pub use material::{Material, Schedule, Solver};
 pub use report::{Report, listed};
 pub use set::{PartOfSet, SetPage};

@@ -5,6 +5,7 @@ mod chord_error;
 mod cycles;
 mod evaluations;
 mod fluctuation;
+pub(crate) mod log_path;
 mod over_time;
 pub(crate) mod path;
 mod plan;

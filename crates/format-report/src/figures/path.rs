@@ -16,7 +16,7 @@ use crate::thinned::thinned;
 const MOST_PARTS: usize = 400;
 
 /// Most points of all pictures of the path together: a page with so many is about a megabyte.
-const MOST_POINTS: usize = 60_000;
+pub(crate) const MOST_POINTS: usize = 60_000;
 
 /// Points that each of these pictures may have in any case.
 const FEW_POINTS: usize = 1500;
@@ -92,7 +92,7 @@ fn figure(
 }
 
 /// Axes with equal scales, the height that they need, and the size of a pixel in mm.
-fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32, f64) {
+pub(crate) fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32, f64) {
     let bounds = |of: fn(&(f64, f64)) -> f64| {
         let ends =
             points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
