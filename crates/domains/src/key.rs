@@ -28,6 +28,8 @@ pub enum Value {
     Truth,
     /// A text.
     Text,
+    /// A list of other keys of the same table.
+    Keys,
 }
 
 /// What holds where a key is left out.
@@ -88,7 +90,7 @@ impl Key {
             Value::Whole(least, most, _) => {
                 x.fract() == 0.0 && (f64::from(least)..=f64::from(most)).contains(&x)
             }
-            Value::Word(_) | Value::Truth | Value::Text => false,
+            Value::Word(_) | Value::Truth | Value::Text | Value::Keys => false,
         }
     }
 
@@ -98,7 +100,7 @@ impl Key {
         match self.value {
             Value::Number(domain) => domain.unit(),
             Value::Whole(_, _, unit) => unit,
-            Value::Word(_) | Value::Truth | Value::Text => "",
+            Value::Word(_) | Value::Truth | Value::Text | Value::Keys => "",
         }
     }
 
@@ -127,6 +129,7 @@ impl Key {
             }
             Value::Truth => "true or false".into(),
             Value::Text => "a text".into(),
+            Value::Keys => "a list of numbers' keys in this table, as [\"jerk_mm_per_s3\"]".into(),
         }
     }
 
@@ -141,6 +144,7 @@ impl Key {
             }
             Value::Truth => "true, false".into(),
             Value::Text => "text".into(),
+            Value::Keys => "a list of keys".into(),
         }
     }
 

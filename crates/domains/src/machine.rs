@@ -92,9 +92,17 @@ pub const DEVIATION: Key = Key::number(
     "δ, with `\"deviation\"`: the distance by which a corner may be cut; passed corners are judged by the greater of δ and E",
 )
 .optional("");
+/// What of a table the machine's control does not state.
+pub const ASSUMED: Key = Key {
+    name: "assumed",
+    value: Value::Keys,
+    left_out: LeftOut::Words("`[]`"),
+    meaning: "keys of this table that the machine's control does not state: a plan keeps their values, and `judge` judges a log by \
+              them only if it is asked to",
+};
 
 /// The keys of the table `[machine]`.
-pub const KEYS: [Key; 13] = [
+pub const KEYS: [Key; 14] = [
     PERIOD,
     FEEDRATE,
     ACCELERATION,
@@ -108,6 +116,7 @@ pub const KEYS: [Key; 13] = [
     CENTRIPETAL,
     JUNCTION,
     DEVIATION,
+    ASSUMED,
 ];
 
 /// The most of one axis.
@@ -127,4 +136,4 @@ pub const VELOCITY_JUMP: Key = Key::number(
 .optional("");
 
 /// The keys of the table `[machine.axes.x]`, `.y` or `.z`.
-pub const AXIS_KEYS: [Key; 4] = [AXIS_VELOCITY, AXIS_ACCELERATION, AXIS_JERK, VELOCITY_JUMP];
+pub const AXIS_KEYS: [Key; 5] = [AXIS_VELOCITY, AXIS_ACCELERATION, AXIS_JERK, VELOCITY_JUMP, ASSUMED];

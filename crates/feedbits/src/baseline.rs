@@ -236,8 +236,53 @@ pub(crate) fn worse_figures(before: &Value, now: &Value, share: f64) -> Vec<Stri
     before.iter().filter_map(compared).collect()
 }
 
+/// The names of figures of a result that an earlier one has not.
+pub(crate) fn new_figures(before: &Value, now: &Value) -> Vec<String> {
+    let before = figures(before);
+    figures(now).into_keys().filter(|name| !before.contains_key(name)).collect()
+}
+
+/// The figures of a judged log, each with its name, its value and its limit.
+fn figures_of_log(result: &Value) -> Vec<(String, f64, f64)> {
+    let mut figures = Vec::new();
+    let judged =
+        result["limits"].as_array().into_iter().flatten().filter(|one| one["verdict"] != "not_judged");
+    for limit in judged {
+        let what = limit["what"].as_str().unwrap_or_default();
+        for (key, how) in [("raw", "as it is"), ("taken", "at least")] {
+            figures.extend(
+                limit[key].as_f64().map(|share| (format!("{what}, share of its limit {how}"), share, 1.0)),
+            );
+        }
+    }
+    let mut add = |name: &str, value: &Value, limit: f64| {
+        figures.extend(value.as_f64().map(|value| (name.to_string(), value, limit)));
+    };
+    add("rows that are there twice", &result["doubled"]["rows"], 0.0);
+    add("rows that are missing", &result["missing"]["rows"], 0.0);
+    add("places with missing rows", &result["missing"]["places"], 0.0);
+    let part = &result["part"];
+    // Distances below the resolution are none.
+    let least = result["resolution_mm"].as_f64().unwrap_or(0.0) / NEGLIGIBLE;
+    add("distance from the path in mm", &part["nearest"]["mm"], least);
+    add("distance of rapid moves from the path in mm", &part["nearest_rapid"]["mm"], least);
+    add("distance in order in mm", &part["order_mm"], least);
+    add("distance of the path from the log in mm", &part["path_to_log_mm"], least);
+    add("chord error in mm", &part["chord_error"]["mm"], least);
+    add("path not visited in mm", &part["never_visited_mm"], least);
+    let hidden = part["fluctuation"]["hidden"].as_f64().unwrap_or(0.0) / NEGLIGIBLE;
+    add("fluctuation at cruise", &part["fluctuation"]["share"], hidden);
+    let over = part["over_feed"].as_array().map(Vec::len);
+    figures.extend(over.map(|count| ("lines above their feed".to_string(), count as f64, 0.0)));
+    figures
+}
+
 /// The figures of a result, by their names.
 fn figures(result: &Value) -> BTreeMap<String, Figure> {
+    if result["command"] == "judge" {
+        let of_log = figures_of_log(result).into_iter();
+        return of_log.map(|(name, value, limit)| (name, Figure { value, limit })).collect();
+    }
     let mut figures = BTreeMap::new();
     let mut add = |name: String, value: &Value, limit: &Value| {
         if let Some(value) = value.as_f64() {

@@ -1,5 +1,7 @@
 //! `feedbits judge`: what a controller really did, by a log of its setpoints.
 
+mod baseline;
+mod page;
 mod print;
 
 use std::io::Read;
@@ -10,13 +12,16 @@ use clap::Args;
 use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 use domains::options::{LOG_PERIOD, LOG_TOLERANCE, RESOLUTION};
 use part_program::{Dialect, Part, ReadOptions, StatedLimits, Unit};
+use secant_interp::crc32;
 use serde::Serialize;
 use setpoint_log::{ColumnMap, Followed, Judgement, LengthUnit, Log, LogOptions};
 
+use crate::baseline::BaselineArguments;
 use crate::ending::Ending;
+use crate::judge::baseline::LogBaseline;
 use crate::numbers::number;
 use crate::progress::Progress;
-use crate::{candidates, claims, files, input, output, presets};
+use crate::{candidates, claims, files, input, output, presets, report};
 
 /// Options of `judge`.
 #[derive(Args)]
@@ -28,6 +33,9 @@ pub(crate) struct Arguments {
     /// Machine, whose limits are judged: a preset's name, or a file (TOML with a table `machine`) which may leave out any limit.
     #[arg(long, value_name = "NAME|FILE", add = ArgValueCompleter::new(candidates::machines))]
     machine: PathBuf,
+    /// Judge by the limits that the machine's file assumes as well, as plans of feedbits keep them. Default: by those that it states.
+    #[arg(long)]
+    assumed: bool,
     /// Which column is what, by number from 0 or by name: time=0,x=1,y=2,z=3,line=6; also time_ms and sample, the number that the
     /// controller counts. Default: by the names in the log's head.
     #[arg(long, value_name = "NAME=COLUMN,...")]
@@ -60,6 +68,11 @@ pub(crate) struct Arguments {
     /// The unit of the part's lengths until a word names one: mm or inch.
     #[arg(long, value_name = "UNIT", requires = "part")]
     part_units: Option<Unit>,
+    /// Write a report into this folder: the path coloured by what it takes of limits, and feed, acceleration and jerk over time.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    baseline: BaselineArguments,
     #[command(flatten)]
     output: output::Output,
 }
@@ -71,6 +84,9 @@ struct Judged<'a> {
     command: &'static str,
     log: &'a str,
     machine: &'a StatedLimits,
+    /// A checksum of the part's text, by which a baseline knows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part_crc32: Option<String>,
     /// The faults, in short: with any of them the status is 1.
     faults: &'a [String],
     #[serde(flatten)]
@@ -79,8 +95,9 @@ struct Judged<'a> {
 
 /// Judges the log and prints what was found.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    let place = arguments.output.place()?;
-    let machine = presets::read_limits(&arguments.machine)?;
+    let (folder, place) = (report::folder(arguments.report.as_deref())?, arguments.output.place()?);
+    let stated = presets::read_limits(&arguments.machine)?;
+    let machine = if arguments.assumed { stated.with_assumed() } else { stated };
     let (name, log) = opened(&arguments.log)?;
     let progress = Progress::spinning("reading and judging");
     let options = LogOptions {
@@ -89,44 +106,69 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         period_s: arguments.period.map(|period| 1e-3 * period),
         resolution_mm: arguments.resolution,
         from_rest_to_rest: arguments.from_rest,
+        traces: folder.is_some(),
     };
     let log = Log::begin(log, &machine, &options).with_context(|| name.clone())?;
-    let part = arguments.part_from(log.first_point_mm())?;
+    let text = arguments.part_text()?;
+    let part_crc32 = text.as_deref().map(checksum);
+    let machine_json = serde_json::to_value(&machine)?;
+    let baseline = LogBaseline::read(&arguments.baseline, &machine_json, part_crc32.as_deref())?;
+    let part = text.map(|bytes| arguments.part_from(&bytes, log.first_point_mm())).transpose()?;
     let followed = part.as_ref().map(|part| Followed { part, tolerance_mm: arguments.tolerance });
     let judgement = log.judge(followed).with_context(|| name.clone())?;
     progress.finish();
     let faults = judgement.faults();
+    let judged = Judged {
+        schema: 1,
+        command: "judge",
+        log: &name,
+        machine: &machine,
+        part_crc32,
+        faults: &faults,
+        judgement: &judgement,
+    };
     let text = if arguments.output.json {
-        let judged = Judged {
-            schema: 1,
-            command: "judge",
-            log: &name,
-            machine: &machine,
-            faults: &faults,
-            judgement: &judgement,
-        };
         serde_json::to_string_pretty(&judged)? + "\n"
     } else {
         print::text(&name, &judgement, &faults)
     };
+    // The report comes first: if it cannot be written, nothing is printed beside the error.
+    if let Some(folder) = &folder {
+        let page = report::into(folder, &page::of(&name, &machine, &judgement, &faults)?)?;
+        output::note(&format!("report in {}", page.display()));
+    }
     output::write(&place, &text)?;
-    Ok(if faults.is_empty() { Ending::Good } else { Ending::RequirementNotMet })
+    let ending = if faults.is_empty() { Ending::Good } else { Ending::RequirementNotMet };
+    match baseline {
+        Some(baseline) => Ok(baseline.judge(&serde_json::to_value(&judged)?, ending)),
+        None => Ok(ending),
+    }
+}
+
+/// A checksum of a part's text, whose lines end alike on every system.
+fn checksum(bytes: &[u8]) -> String {
+    let text: Vec<u8> = bytes.iter().copied().filter(|byte| *byte != b'\r').collect();
+    format!("{:08x}", crc32(&text))
 }
 
 impl Arguments {
-    /// The part, if one is named, which begins where the log does.
-    fn part_from(&self, start_mm: [f64; 3]) -> Result<Option<Part>> {
-        let Some(path) = &self.part else { return Ok(None) };
-        let bytes = files::bytes("--part", path, files::MOST_OF_PART)?;
+    /// The text of the part, if one is named.
+    fn part_text(&self) -> Result<Option<Vec<u8>>> {
+        self.part.as_ref().map(|path| files::bytes("--part", path, files::MOST_OF_PART)).transpose()
+    }
+
+    /// The part of a text, which begins where the log does.
+    fn part_from(&self, bytes: &[u8], start_mm: [f64; 3]) -> Result<Part> {
+        let name = self.part.as_ref().map_or_else(String::new, |path| path.display().to_string());
         let options = ReadOptions {
             dialect: self.dialect,
             lenient: self.lenient,
             start_mm: Some(start_mm),
             unit: self.part_units,
         };
-        let part = part_program::read_part_bytes(&path.display().to_string(), &bytes, options)?;
+        let part = part_program::read_part_bytes(&name, bytes, options)?;
         input::say_warnings(&part);
-        Ok(Some(part))
+        Ok(part)
     }
 }
 

@@ -56,7 +56,9 @@ pub(crate) fn read(path: &Path) -> Result<Machine> {
 /// The limits of the machine that `--machine` selects, of which its file may leave some out.
 pub(crate) fn read_limits(path: &Path) -> Result<StatedLimits> {
     match selected(path)? {
-        Selected::Preset(preset) => Ok(StatedLimits::from(&preset.machine()?)),
+        Selected::Preset(preset) => {
+            Ok(part_program::read_limits(&format!("preset {}", preset.name), preset.text)?)
+        }
         Selected::File(text) => Ok(part_program::read_limits(&path.display().to_string(), &text)?),
     }
 }
@@ -123,6 +125,33 @@ mod tests {
                     value => assert!(said || value.starts_with('['), "{}: {line}", preset.name),
                 }
             }
+        }
+    }
+
+    /// What a comment calls assumed is what the key says, so that no log is judged by it.
+    #[test]
+    fn what_a_preset_assumes_stands_in_a_comment_and_in_the_key() {
+        for preset in PRESETS {
+            let (mut is_assumed, mut in_comments) = (false, Vec::new());
+            for pair in preset.text.lines().collect::<Vec<_>>().windows(2) {
+                let [before, line] = pair else { continue };
+                let begins = line.starts_with('#') && !before.starts_with('#');
+                is_assumed =
+                    if begins { line.starts_with("# Assumed: ") } else { is_assumed && !line.is_empty() };
+                let number = line.split_once(" = ").filter(|(_, value)| value.parse::<f64>().is_ok());
+                in_comments.extend(number.filter(|_| is_assumed).map(|(key, _)| key));
+            }
+            let limits = part_program::read_limits(preset.name, preset.text).expect("limits");
+            let in_key: Vec<&str> = limits.assumed.iter().map(|one| one.key).collect();
+            assert_eq!(in_key, in_comments, "{}", preset.name);
+            let all = limits.clone().with_assumed();
+            assert_eq!(all.jerk_mm_per_s3, Some(preset.machine().expect("a machine").jerk_mm_per_s3));
+            assert_eq!(
+                limits.jerk_mm_per_s3.is_none(),
+                in_key.contains(&"jerk_mm_per_s3"),
+                "{}",
+                preset.name
+            );
         }
     }
 

@@ -385,7 +385,10 @@ impl Differences {
         let along = [Some(r_mm); 2];
         let of = |judged: &Judged| {
             let limit = judged.limit;
-            let within = if matches!(limit.of, Of::Path | Of::Jump(_)) { along } else { across };
+            // However a corner is rounded, the feed is what is commanded.
+            let is_along =
+                matches!(limit.of, Of::Path | Of::Jump(_)) || limit.order == 0 && limit.of == Of::Vector;
+            let within = if is_along { along } else { across };
             let counted = judged.raw.iter().zip(within).filter(|(_, within)| within.is_some());
             let raw = counted.map(|(raw, _)| *raw).fold(Worst::default(), greater);
             let (mut excess, mut periods, mut seen_within_mm) = (Worst::default(), 1, r_mm);

@@ -1,9 +1,10 @@
 //! A machine's limits: the table `[machine]` of a TOML file.
 
+use domains::Key;
 use domains::machine::{
-    ACCELERATION, AXIS_ACCELERATION, AXIS_JERK, AXIS_VELOCITY, CENTRIPETAL, CHORD_ERROR, DEVIATION, FEEDRATE,
-    FLUCTUATION_LIMIT, INCREMENT, JERK, JUNCTION, MAX_ITERATIONS, PARAMETER_TOLERANCE, PERIOD, S_STOPS,
-    VELOCITY_JUMP,
+    ACCELERATION, ASSUMED, AXIS_ACCELERATION, AXIS_JERK, AXIS_KEYS, AXIS_VELOCITY, CENTRIPETAL, CHORD_ERROR,
+    DEVIATION, FEEDRATE, FLUCTUATION_LIMIT, INCREMENT, JERK, JUNCTION, KEYS, MAX_ITERATIONS,
+    PARAMETER_TOLERANCE, PERIOD, S_STOPS, VELOCITY_JUMP,
 };
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -95,6 +96,20 @@ pub enum Junction {
     VelocityJump,
 }
 
+impl Junction {
+    /// How far a motion may be from its setpoints in windows that hold a corner, beside what is hidden everywhere, in mm: where corners are
+    /// passed as if rounded, the rounding may be that far away. `None` where the velocity may jump there: then no window with a corner is
+    /// judged.
+    #[must_use]
+    pub fn hidden_at_corners_mm(self) -> Option<f64> {
+        match self {
+            Self::Stop => Some(0.0),
+            Self::DeviationMm(deviation) => Some(deviation),
+            Self::VelocityJump => None,
+        }
+    }
+}
+
 /// As in a file: one key, or two.
 impl Serialize for Junction {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -144,8 +159,20 @@ pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
     read_table(name, text, from_table)
 }
 
+/// A value of a machine's file that its control does not state: the key `assumed` names it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AssumedValue {
+    /// The axis in whose table it is, in small letters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<&'static str>,
+    /// Its key.
+    pub key: &'static str,
+    /// The value.
+    pub value: f64,
+}
+
 /// The limits that a machine's file states for motions, of those that it states at all.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StatedLimits {
     /// T, time between two setpoints, in ms.
     pub interpolation_period_ms: Option<f64>,
@@ -162,23 +189,68 @@ pub struct StatedLimits {
     pub junction: Junction,
     /// Limits of single axes.
     pub axes: Axes,
+    /// What the file assumes. None of it is among the limits, but the junction.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub assumed: Vec<AssumedValue>,
 }
 
-impl From<&Machine> for StatedLimits {
-    fn from(machine: &Machine) -> Self {
-        Self {
-            interpolation_period_ms: Some(machine.interpolation_period_ms),
-            feedrate_mm_per_s: Some(machine.feedrate_mm_per_s),
-            acceleration_mm_per_s2: Some(machine.acceleration_mm_per_s2),
-            jerk_mm_per_s3: Some(machine.jerk_mm_per_s3),
-            centripetal_acceleration_mm_per_s2: machine.centripetal_acceleration_mm_per_s2,
-            junction: machine.junction,
-            axes: machine.axes,
+impl StatedLimits {
+    /// The value that the file assumes for a key of the table `[machine]`, or of an axis.
+    #[must_use]
+    pub fn assumed_value(&self, axis: Option<&str>, key: &str) -> Option<f64> {
+        self.assumed.iter().find(|one| one.axis == axis && one.key == key).map(|one| one.value)
+    }
+
+    /// The limits with those that the file assumes, as if it stated them.
+    #[must_use]
+    pub fn with_assumed(mut self) -> Self {
+        for AssumedValue { axis, key, value } in std::mem::take(&mut self.assumed) {
+            if let Some(limit) = self.limit(axis, key) {
+                *limit = Some(value);
+            }
         }
+        self
+    }
+
+    /// The limits without those that the file assumes.
+    fn without_assumed(mut self, assumed: Vec<AssumedValue>) -> Self {
+        for AssumedValue { axis, key, .. } in &assumed {
+            if let Some(limit) = self.limit(*axis, key) {
+                *limit = None;
+            }
+        }
+        Self { assumed, ..self }
+    }
+
+    /// The limit of a key, of those that a file may leave out.
+    fn limit(&mut self, axis: Option<&str>, key: &str) -> Option<&mut Option<f64>> {
+        let of_axis = match axis {
+            None => None,
+            Some("x") => Some(&mut self.axes.x),
+            Some("y") => Some(&mut self.axes.y),
+            Some(_) => Some(&mut self.axes.z),
+        };
+        let limits = match of_axis {
+            None => vec![
+                (&PERIOD, &mut self.interpolation_period_ms),
+                (&FEEDRATE, &mut self.feedrate_mm_per_s),
+                (&ACCELERATION, &mut self.acceleration_mm_per_s2),
+                (&JERK, &mut self.jerk_mm_per_s3),
+                (&CENTRIPETAL, &mut self.centripetal_acceleration_mm_per_s2),
+            ],
+            Some(axis) => vec![
+                (&AXIS_VELOCITY, &mut axis.velocity_mm_per_s),
+                (&AXIS_ACCELERATION, &mut axis.acceleration_mm_per_s2),
+                (&AXIS_JERK, &mut axis.jerk_mm_per_s3),
+                (&VELOCITY_JUMP, &mut axis.velocity_jump_mm_per_s),
+            ],
+        };
+        limits.into_iter().find(|(of, _)| of.name == key).map(|(_, limit)| limit)
     }
 }
 
-/// Reads the limits of a machine file, each of which may be left out: a motion that was made is judged by those that its machine has.
+/// Reads the limits of a machine file, each of which may be left out: a motion that was made is judged by those that its machine has, and not
+/// by those that the file assumes.
 ///
 /// # Errors
 /// Every fault of the text, each at its place.
@@ -225,6 +297,7 @@ fn limits_from_table(report: &mut Report<'_>, header: Span, table: &DeTable<'_>)
         centripetal_acceleration_mm_per_s2: keys.optional_number(&CENTRIPETAL),
         junction: Junction::Stop,
         axes: Axes::default(),
+        assumed: Vec::new(),
     };
     for key in [&CHORD_ERROR, &INCREMENT, &FLUCTUATION_LIMIT, &PARAMETER_TOLERANCE] {
         keys.number(key);
@@ -232,10 +305,15 @@ fn limits_from_table(report: &mut Report<'_>, header: Span, table: &DeTable<'_>)
     keys.whole_number(&MAX_ITERATIONS);
     keys.truth_or(S_STOPS.name, true);
     limits.junction = junction(&mut keys);
+    let mut assumed = assumed(&mut keys, None, &KEYS);
     let axes = keys.table("axes");
     keys.finish();
-    limits.axes = axes.map_or_else(Axes::default, |(header, table)| axes_from(report, header, table));
-    Some(limits)
+    let axes = axes.map(|(header, table)| axes_from(report, header, table));
+    if let Some((axes, of_axes)) = axes {
+        limits.axes = axes;
+        assumed.extend(of_axes);
+    }
+    Some(limits.without_assumed(assumed))
 }
 
 /// Reads the table `[machine]`; `None` after an error was reported.
@@ -253,9 +331,11 @@ pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<
     let s_stops = keys.truth_or(S_STOPS.name, true);
     let centripetal_acceleration_mm_per_s2 = keys.optional_number(&CENTRIPETAL);
     let junction = junction(&mut keys);
+    // A plan keeps what a file assumes as what it states.
+    assumed(&mut keys, None, &KEYS);
     let axes = keys.table("axes");
     keys.finish();
-    let axes = axes.map_or_else(Axes::default, |(header, table)| axes_from(report, header, table));
+    let axes = axes.map_or_else(Axes::default, |(header, table)| axes_from(report, header, table).0);
     let jumps = [axes.x, axes.y, axes.z].map(|axis| axis.velocity_jump_mm_per_s);
     match junction {
         Junction::VelocityJump if jumps == [None; 3] => {
@@ -300,7 +380,19 @@ fn junction(keys: &mut TableReader<'_, '_, '_>) -> Junction {
     if named == Some("velocity-jump") { Junction::VelocityJump } else { Junction::Stop }
 }
 
-fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Axes {
+/// The values that the key `assumed` of a table names.
+fn assumed(
+    keys: &mut TableReader<'_, '_, '_>,
+    axis: Option<&'static str>,
+    known: &[Key],
+) -> Vec<AssumedValue> {
+    let named = keys.named_numbers(&ASSUMED, known);
+    named.into_iter().map(|(key, value)| AssumedValue { axis, key, value }).collect()
+}
+
+/// The limits of axes, and what of them is assumed.
+fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> (Axes, Vec<AssumedValue>) {
+    let mut of_axes = Vec::new();
     let mut axis = |key: &'static str| {
         let mut keys = TableReader::new(report, "[machine.axes]", header, table);
         let Some((header, table)) = keys.table(key) else { return AxisLimits::default() };
@@ -311,6 +403,7 @@ fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Axes
             jerk_mm_per_s3: keys.optional_number(&AXIS_JERK),
             velocity_jump_mm_per_s: keys.optional_number(&VELOCITY_JUMP),
         };
+        of_axes.extend(assumed(&mut keys, Some(key), &AXIS_KEYS));
         keys.finish();
         limits
     };
@@ -320,7 +413,7 @@ fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Axes
         keys.optional(key);
     }
     keys.finish();
-    axes
+    (axes, of_axes)
 }
 
 #[cfg(test)]
@@ -361,7 +454,9 @@ max_iterations = 5
         let limits = read_limits("m.toml", text).unwrap();
         assert_eq!((limits.jerk_mm_per_s3, limits.axes.x.velocity_mm_per_s), (None, Some(100.0)));
         let of_machine = read_machine("m.toml", GOOD).unwrap();
-        assert_eq!(read_limits("m.toml", GOOD).unwrap(), StatedLimits::from(&of_machine));
+        let stated = read_limits("m.toml", GOOD).unwrap();
+        assert_eq!(stated.jerk_mm_per_s3, Some(of_machine.jerk_mm_per_s3));
+        assert_eq!((stated.junction, stated.axes), (of_machine.junction, of_machine.axes));
         let errors = read_limits("m.toml", "[machine]\njerk_mm_per_s3 = -1\nfeed = 3\n").unwrap_err();
         assert_eq!(errors.count(), 2, "{errors}");
     }
@@ -400,6 +495,39 @@ velocity = 3
             "14:15 unknown key `w` in [machine.axes]",
         ];
         assert_eq!(said, expected);
+    }
+
+    /// What a file assumes is part of its machine, and no limit that a log is judged by.
+    #[test]
+    fn what_is_assumed_is_no_stated_limit() {
+        let text = format!(
+            "{GOOD}assumed = [\"jerk_mm_per_s3\", \"chord_error_mm\"]\n[machine.axes.y]\njerk_mm_per_s3 = 7\n\
+             velocity_mm_per_s = 9\nassumed = [\"jerk_mm_per_s3\"]\n"
+        );
+        assert_eq!(read_machine("m.toml", &text).unwrap().jerk_mm_per_s3, 400_000.0);
+        let limits = read_limits("m.toml", &text).unwrap();
+        assert_eq!((limits.jerk_mm_per_s3, limits.axes.y.jerk_mm_per_s3), (None, None));
+        assert_eq!(
+            (limits.acceleration_mm_per_s2, limits.axes.y.velocity_mm_per_s),
+            (Some(5000.0), Some(9.0))
+        );
+        assert_eq!(limits.assumed_value(None, "jerk_mm_per_s3"), Some(400_000.0));
+        assert_eq!(limits.assumed_value(Some("y"), "jerk_mm_per_s3"), Some(7.0));
+        let all = limits.with_assumed();
+        assert_eq!((all.jerk_mm_per_s3, all.axes.y.jerk_mm_per_s3), (Some(400_000.0), Some(7.0)));
+        for (list, expected) in [
+            ("[\"jerk\"]", "`assumed` names \"jerk\", which has no value in [machine]"),
+            ("[\"position_increment_mm\"]", "which has no value in [machine]"),
+            ("[\"junction\"]", "which has no value in [machine]"),
+            ("[3]", "`assumed` names 3, which has no value in [machine]"),
+            ("\"jerk_mm_per_s3\"", "`assumed` holds a string"),
+        ] {
+            let text = format!("{GOOD}assumed = {list}\n");
+            for errors in [read_limits("m.toml", &text).err(), read_machine("m.toml", &text).err()] {
+                let said = errors.unwrap().to_string();
+                assert!(said.contains(expected), "{list}: {said}");
+            }
+        }
     }
 
     #[test]

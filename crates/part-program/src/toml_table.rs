@@ -133,6 +133,40 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         found.copied()
     }
 
+    /// The keys of this table that a list names, with their numbers. Each is one of `known`, and has a value here.
+    pub(crate) fn named_numbers(&mut self, key: &Key, known: &[Key]) -> Vec<(&'static str, f64)> {
+        let Some(value) = self.optional(key.name) else { return Vec::new() };
+        let DeValue::Array(items) = value.get_ref() else {
+            wrong_kind(self.report, key.name, value, "an array");
+            return Vec::new();
+        };
+        let numbers: Vec<&'static str> = known
+            .iter()
+            .filter(|one| matches!(one.value, Value::Number(_) | Value::Whole(..)))
+            .map(|one| one.name)
+            .collect();
+        let mut named = Vec::new();
+        for item in items {
+            let text = item.get_ref().as_str();
+            let found = numbers.iter().find(|name| Some(**name) == text);
+            let Some(found) = found.filter(|name| self.table.get(**name).is_some()) else {
+                let written = self.report.slice(item.span().into()).to_string();
+                let said = format!("`{}` names {written}, which has no value in {}", key.name, self.name);
+                let there: Vec<&str> =
+                    numbers.iter().copied().filter(|name| self.table.get(*name).is_some()).collect();
+                let diagnostic = self.report.error(item.span(), said);
+                diagnostic.expected(listed(&there));
+                if let Some(near) = text.and_then(|text| nearest(text, &there)) {
+                    diagnostic.hint(format!("did you mean `{near}`?"));
+                }
+                continue;
+            };
+            let number = self.table.get(*found).and_then(|value| number_of(value.get_ref()));
+            named.extend(number.map(|number| (*found, number)));
+        }
+        named
+    }
+
     /// The place of a required array, whose items are read where they stand.
     pub(crate) fn array(&mut self, key: &'static str) -> Option<Span> {
         let value = self.required(key)?;

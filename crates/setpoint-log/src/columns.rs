@@ -74,6 +74,8 @@ pub(crate) struct Columns {
     pub(crate) unit: Option<LengthUnit>,
     /// Axes that the log has beside the three.
     pub(crate) other_axes: usize,
+    /// Two columns of one name, of which one is taken.
+    pub(crate) named_twice: Option<[usize; 2]>,
 }
 
 /// The names of columns, each after what it holds and what it counts in s. Of several that a log has for one quantity the first is taken.
@@ -115,6 +117,8 @@ impl Columns {
             }
         }
         columns.add_joints(&names);
+        let of_name = columns.all().into_iter().find_map(|taken| twice(&names, taken));
+        columns.named_twice = columns.named_twice.or(of_name);
         if columns.axes == [None; 3] {
             let shown: Vec<String> = head.iter().take(20).map(|name| format!("`{}`", quoted(name))).collect();
             return Err(LogError::at(
@@ -139,6 +143,8 @@ impl Columns {
             return;
         }
         joints.sort_unstable();
+        self.named_twice =
+            joints.windows(2).find(|pair| pair[0].0 == pair[1].0).map(|pair| [pair[0].1, pair[1].1]);
         self.unit = Some(LengthUnit::Metre);
         self.other_axes = joints.len().saturating_sub(3);
         for (axis, (_, index)) in self.axes.iter_mut().zip(joints) {
@@ -159,8 +165,18 @@ impl Columns {
                 return Err(LogError::at(line, 1, message, "the number of a column, from 0, or its name"));
             };
             columns.set(*quantity, *factor, index);
+            let is_named = column.parse::<usize>().is_err();
+            let of_name = head.filter(|_| is_named).and_then(|head| twice(head, index));
+            columns.named_twice = columns.named_twice.or(of_name);
         }
         Ok(columns)
+    }
+
+    /// All columns that are taken.
+    fn all(&self) -> Vec<usize> {
+        let times = self.time.iter().map(|(index, _)| *index);
+        let others = [self.sample, self.line, self.chord].into_iter().chain(self.axes).flatten();
+        times.chain(others).collect()
     }
 
     fn set(&mut self, quantity: Quantity, factor: f64, index: usize) {
@@ -172,6 +188,12 @@ impl Columns {
             Quantity::Chord => self.chord = Some(index),
         }
     }
+}
+
+/// A column that is taken, and another of the same name.
+fn twice<T: PartialEq>(names: &[T], taken: usize) -> Option<[usize; 2]> {
+    let other = names.iter().enumerate().position(|(index, name)| index != taken && *name == names[taken])?;
+    Some([taken.min(other), taken.max(other)])
 }
 
 #[cfg(test)]

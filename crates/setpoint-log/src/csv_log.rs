@@ -19,6 +19,9 @@ const OVERRUN: &[u8] = b"overrun";
 /// The largest time, in s: three hundred years.
 const LATEST_S: f64 = 1e10;
 
+/// The largest whole number that a double tells from the next, 2⁵³.
+const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
 /// A log of numbers that is being read.
 pub(crate) struct CsvLog<'a> {
     reader: Reader<BoundedLines<Box<dyn Read + 'a>>>,
@@ -94,6 +97,12 @@ impl<'a> CsvLog<'a> {
                 ));
             }
         };
+        if let Some([first, second]) = columns.named_twice {
+            let name = quoted(self.field(second));
+            let message = format!("two columns are named `{name}`, {} and {}", first + 1, second + 1);
+            let expected = "a name for one column, or --columns with numbers from 0";
+            return Err(LogError::at(line, self.column(second), message, expected));
+        }
         self.columns = columns;
         self.has_record = !is_head;
         Ok(())
@@ -147,6 +156,16 @@ impl<'a> CsvLog<'a> {
         })
     }
 
+    /// The whole number of a column, from 0 up.
+    fn whole(&self, index: usize, what: &str) -> Result<f64, LogError> {
+        let value = self.number(index, what)?.value;
+        if value.fract() == 0.0 && (0.0..=MOST_WHOLE).contains(&value) {
+            return Ok(value);
+        }
+        let message = format!("{what} is `{}`", quoted(self.field(index)));
+        Err(LogError::at(self.line(), self.column(index), message, "a whole number from 0 to 2^53"))
+    }
+
     fn row(&mut self) -> Result<Row, LogError> {
         const AXES: [&str; 3] = ["X", "Y", "Z"];
         self.rows += 1;
@@ -168,14 +187,19 @@ impl<'a> CsvLog<'a> {
         }
         self.set_time(&mut row)?;
         if let Some(index) = self.columns.sample {
-            row.sample = Some(self.number(index, "the number of the setpoint")?.value);
+            row.sample = Some(self.whole(index, "the number of the setpoint")?);
             row.time_column = self.column(index);
         }
         if let Some(index) = self.columns.line {
-            row.program_line = line_of(self.number(index, "the program's line")?.value);
+            row.program_line = line_of(self.whole(index, "the program's line")?);
         }
         if let Some(index) = self.columns.chord {
-            row.chord_mm = Some(self.number(index, "the step's length")?.value);
+            let chord_mm = self.number(index, "the step's length")?.value;
+            if chord_mm < 0.0 {
+                let message = format!("the step's length is {} mm", shown(chord_mm));
+                return Err(LogError::at(self.line(), self.column(index), message, "a length from 0 up"));
+            }
+            row.chord_mm = Some(chord_mm);
         }
         row.is_behind_loss = std::mem::take(&mut self.is_behind_loss);
         Ok(row)
@@ -216,9 +240,9 @@ fn last_bit(value: f64) -> Option<i32> {
 }
 
 /// The line that a log names, 0 if it names none.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is clamped before")]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is a whole number from 0 up")]
 fn line_of(number: f64) -> usize {
-    number.clamp(0.0, 1e15) as usize
+    number as usize
 }
 
 /// What separates the columns: in the first line that is no comment, the first of comma, semicolon and tab that is there; else blanks.

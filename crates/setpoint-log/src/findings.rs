@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::log_place::LogPlace;
 use crate::part_findings::PartFindings;
+use crate::trace::TraceColumn;
 
 /// A log as it was judged.
 #[derive(Clone, Debug, Serialize)]
@@ -26,12 +27,19 @@ pub struct Judgement {
     pub doubled: Faults,
     /// Rows that are missing.
     pub missing: Faults,
+    /// Rows that are missing while the axes stand at the same place before and behind: by times a pause of the log, by numbers a loss.
+    pub missing_at_rest: Faults,
+    /// The most rows that follow each other without a gap.
+    pub longest_rows: u64,
     /// Standstills between motions.
     pub standstills: Standstills,
     /// Places at which the log leaves rapid moves out.
     pub left_out: u64,
     /// By how much the time between two rows is off the period, beyond how the times are rounded, in s.
     pub uneven_s: f64,
+    /// What pictures show, where it was asked for.
+    #[serde(skip)]
+    pub trace: Vec<TraceColumn>,
     /// How the log follows a part, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<PartFindings>,
@@ -67,6 +75,9 @@ pub enum LimitVerdict {
     KeptWithin,
     /// No motion within the resolution keeps it.
     Broken,
+    /// No motion within the resolution keeps it, unless the path has a corner there, of which the machine may cut some: the log does not say
+    /// where corners are, and a part does.
+    BrokenUnlessCorner,
     /// The log has no window without a gap over which it could be seen.
     NotJudged,
 }
@@ -94,9 +105,19 @@ pub struct JudgedLimit {
     /// Where it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<LogPlace>,
+    /// Where the log does not decide: how far a motion that keeps the limit may be from the positions, in each axis, in mm. It is more than the
+    /// resolution where a window holds a corner that the machine may cut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seen_within_mm: Option<f64>,
     /// A log of positions within this, in mm, would decide whether the limit is kept, where this one does not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub decided_below_mm: Option<f64>,
+    /// Where the log does not decide: the least window over which it would show twice the limit, in periods.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub twice_shows_over_periods: Option<usize>,
+    /// The rows without a gap between them that it takes to see a share at all.
+    #[serde(skip)]
+    pub rows_of_a_period: usize,
 }
 
 /// Rows that are there twice, or missing.

@@ -55,6 +55,8 @@ pub(crate) struct Skip {
 /// The ways to follow a path.
 pub(crate) struct InOrder<'p> {
     path: &'p PartPath,
+    /// Whether the log leaves rapid moves out, so that they are passed unseen.
+    leaves_rapids_out: bool,
     ways: Vec<Way>,
     next: Vec<Way>,
     best: Way,
@@ -69,7 +71,7 @@ pub(crate) struct InOrder<'p> {
 }
 
 impl<'p> InOrder<'p> {
-    pub(crate) fn new(path: &'p PartPath, first: &[f64; 3]) -> Self {
+    pub(crate) fn new(path: &'p PartPath, first: &[f64; 3], leaves_rapids_out: bool) -> Self {
         let off_2 = squared_distance(first, &path.vertices[0]);
         let best =
             Way { segment: 0, share: 0.0, cost: 0.0, off_2, largest_2: off_2, skip: 0, is_young: false };
@@ -77,6 +79,7 @@ impl<'p> InOrder<'p> {
         vertex_off_2[0] = as_f32(off_2);
         let mut own = Self {
             path,
+            leaves_rapids_out,
             ways: vec![best],
             next: Vec::new(),
             best,
@@ -147,7 +150,8 @@ impl<'p> InOrder<'p> {
                 let seen = &mut self.vertex_off_2[segment + 1];
                 *seen = seen.min(as_f32(off_2));
                 free_left -= if on_it.is_some() { 0.0 } else { distance(&ends[0], &ends[1]) };
-                let counted_2 = if free_left > 0.0 { 0.0 } else { off_2 };
+                let is_unseen = free_left > 0.0 || self.leaves_rapids_out && !self.path.is_feed(segment);
+                let counted_2 = if is_unseen { 0.0 } else { off_2 };
                 let cost = way.cost + counted_2 * counted_2;
                 let largest_2 = way.largest_2.max(counted_2);
                 // A young way is led on only while it is on its segment.

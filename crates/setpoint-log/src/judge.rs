@@ -1,216 +1,57 @@
-//! The judge of a log: rows in, findings out, in memory that does not grow with the log.
+//! The judge of setpoints as they come: findings in memory that does not grow with the log.
 
-use std::collections::VecDeque;
-use std::io::Read;
+use limit_judge::{Differences, LimitFinding, Of, Setpoint, StepPlace, Way};
+use part_program::{Junction, StatedLimits};
 
-use limit_judge::{Differences, LimitFinding, Of, Setpoint, StatedLimit, StepPlace, Way};
-use part_program::{Junction, Part, StatedLimits};
-
-use crate::along_path::{AlongPath, OfPath};
-use crate::columns::ColumnMap;
-use crate::csv_log::CsvLog;
-use crate::findings::{Faults, JudgedLimit, Judgement, LimitVerdict, Standstills};
-use crate::log_error::LogError;
-use crate::log_period::period_of_times;
+use crate::along_path::AlongPath;
+use crate::findings::{Faults, JudgedLimit, Judgement, Standstills};
 use crate::log_place::LogPlace;
-use crate::machine_limits::{LogLimit, clock_limits, limits_of};
-use crate::motan_log::MotanLog;
+use crate::machine_limits::{LogLimit, limits_of, not_stated};
+use crate::options::LogOptions;
 use crate::part_follower::PartFollower;
-use crate::part_path::{PartPath, distance};
-use crate::period::{Clock, Event, Setpoint as Timed};
-use crate::row::{Row, Rows};
-use crate::text::begun;
-use crate::unit::LengthUnit;
-
-/// How a log is to be read.
-#[derive(Clone, Debug, Default)]
-pub struct LogOptions {
-    /// Which column is what, in place of the log's head.
-    pub columns: Option<ColumnMap>,
-    /// The unit of positions; `None` for that which such logs have, and mm where they have none.
-    pub unit: Option<LengthUnit>,
-    /// The time between two setpoints, in s; `None` for that of the log's times, or the machine's where it has none.
-    pub period_s: Option<f64>,
-    /// How far the motion may be from the positions in each axis, in mm; `None` for half of a unit of their last decimal.
-    pub resolution_mm: Option<f64>,
-    /// Whether the axes stand before the first row and behind the last. Else they do where the log shows it.
-    pub from_rest_to_rest: bool,
-}
+use crate::part_path::{cross, distance, dot, norm};
+use crate::period::{Event, Setpoint as Timed};
+use crate::row::Row;
+use crate::trace::{Trace, TracePoint};
+use crate::verdict::Verdicts;
 
 /// Differences of numbers that a computer took are off by some units of their last place.
 const ROUNDED: f64 = 4.0 * f64::EPSILON;
-/// Motions keep the limits that a machine states up to their last digits.
-const SLACK: f64 = 1e-6;
-/// Rows by which the time between two is told.
-const FIRST_ROWS: usize = 256;
 /// A standstill of fewer periods is none that a person would see.
 const LEAST_STAND: u64 = 10;
 
-/// A part that a log is to follow.
-#[derive(Clone, Copy, Debug)]
-pub struct Followed<'a> {
-    /// The part.
-    pub part: &'a Part,
-    /// The largest distance between the log and its path that is allowed, in mm, if one is.
-    pub tolerance_mm: Option<f64>,
-}
-
-/// A log that is being read, with its first rows.
-pub struct Log<'a> {
-    rows: Box<dyn Rows + 'a>,
-    first: VecDeque<Row>,
-    period_s: f64,
-    marks_corners: bool,
-    other_axes: usize,
-    machine: StatedLimits,
-    options: LogOptions,
-}
-
-impl<'a> Log<'a> {
-    /// Begins to read a log, which is to be judged by the limits of a machine.
-    ///
-    /// # Errors
-    /// [`LogError`] with the place of the first fault in the begin of the log's text.
-    pub fn begin(
-        source: impl Read + 'a,
-        machine: &StatedLimits,
-        options: &LogOptions,
-    ) -> Result<Self, LogError> {
-        let text = begun(source)?;
-        let stated_s = options.period_s.or(machine.interpolation_period_ms.map(|period| 1e-3 * period));
-        let marks_corners = MotanLog::begins(&text.head);
-        let (mut rows, other_axes): (Box<dyn Rows + 'a>, usize) = if marks_corners {
-            let period_s = stated_s.ok_or_else(|| {
-                let expected = "--period with the time between two";
-                LogError::whole("a log of moves has no setpoints of its own", expected)
-            })?;
-            (Box::new(MotanLog::new(text, period_s)), 0)
-        } else {
-            let log = CsvLog::new(text, options.columns.as_ref(), options.unit)?;
-            let other_axes = log.columns.other_axes;
-            (Box::new(log), other_axes)
-        };
-        let mut first = VecDeque::new();
-        while first.len() < FIRST_ROWS {
-            let Some(row) = rows.next_row()? else { break };
-            first.push_back(row);
-        }
-        if first.len() < 2 {
-            let message = format!("setpoints in the log: {}", first.len());
-            return Err(LogError::whole(message, "a row for each of two or more"));
-        }
-        let period_s = period_of(&first, rows.time_resolution_s(), machine, options)?;
-        let (machine, options) = (*machine, options.clone());
-        Ok(Self { rows, first, period_s, marks_corners, other_axes, machine, options })
-    }
-
-    /// Where the axes are in the first row, in mm.
-    #[must_use]
-    pub fn first_point_mm(&self) -> [f64; 3] {
-        self.first.front().map_or([0.0; 3], |row| row.point_mm)
-    }
-
-    /// Judges the log by the limits of its machine, and by how it follows a part.
-    ///
-    /// # Errors
-    /// [`LogError`] with the place of the first fault in the log's text; or a curve of the part that is not valid.
-    pub fn judge(self, followed: Option<Followed<'_>>) -> Result<Judgement, LogError> {
-        let Some(Followed { part, tolerance_mm }) = followed else { return self.judge_with(None, None) };
-        let invalid = |error| LogError::whole(format!("a curve of the part: {error}"), "valid curves");
-        let path = PartPath::new(part, self.machine.feedrate_mm_per_s).map_err(invalid)?;
-        if path.segments.is_empty() {
-            return Err(LogError::whole("the part has no moves", "a part with a path"));
-        }
-        let (first, with) = (self.first_point_mm(), (self.period_s, tolerance_mm));
-        let follower = PartFollower::new(&path, &self.machine, &first, with);
-        let highest = path.moves.iter().filter(|one| !one.is_rapid).filter_map(|one| one.feed_mm_per_s);
-        let highest = highest.reduce(f64::max);
-        self.judge_with(Some(follower), highest)
-    }
-
-    fn judge_with(
-        mut self,
-        follower: Option<PartFollower<'_>>,
-        highest: Option<f64>,
-    ) -> Result<Judgement, LogError> {
-        let feed = if follower.is_some() { highest } else { self.machine.feedrate_mm_per_s };
-        let mut judge = Judge::new((&self.machine, feed), &self.options, self.period_s, self.marks_corners);
-        if follower.is_none() && judge.limits.is_empty() && judge.along.limits.is_empty() {
-            let said = format!("nothing can be judged: {}", judge.not_judged.join("; "));
-            return Err(LogError::whole(said, "one of these limits in the machine's file, or --part"));
-        }
-        judge.follower = follower;
-        let mut clock =
-            Clock::new(clock_limits(&self.machine, self.period_s), self.options.period_s.is_some());
-        loop {
-            let next = match self.first.pop_front() {
-                Some(row) => Some(row),
-                None => self.rows.next_row()?,
-            };
-            let r_mm = judge.resolution_mm(self.rows.resolution_mm());
-            let Some(row) = next else {
-                clock.finish(r_mm, &mut |event| judge.take(event, r_mm));
-                let mut judgement = judge.finished(r_mm);
-                judgement.uneven_s = clock.uneven_s;
-                if self.other_axes > 0 {
-                    let said = format!("{} more joints: three at a time, by --columns", self.other_axes);
-                    judgement.not_judged.push(said);
-                }
-                return Ok(judgement);
-            };
-            judge.look_at(&row);
-            clock.take(row, (r_mm, self.rows.time_resolution_s()), &mut |event| judge.take(event, r_mm))?;
-        }
-    }
-}
-
-/// Judges a log by the limits of a machine.
-///
-/// # Errors
-/// [`LogError`] with the place of the first fault in the log's text.
-pub fn judge(source: impl Read, machine: &StatedLimits, options: &LogOptions) -> Result<Judgement, LogError> {
-    Log::begin(source, machine, options)?.judge(None)
-}
-
-/// The time between two setpoints: what was asked for; that of the log's times; the machine's.
-fn period_of(
-    rows: &VecDeque<Row>,
-    time_resolution_s: f64,
-    machine: &StatedLimits,
-    options: &LogOptions,
-) -> Result<f64, LogError> {
-    if let Some(period_s) = options.period_s {
-        return Ok(period_s);
-    }
-    let stated = machine.interpolation_period_ms.map(|period| 1e-3 * period);
-    if let Some(period_s) = period_of_times(rows, time_resolution_s, stated)? {
-        return Ok(period_s);
-    }
-    stated.ok_or_else(|| {
-        LogError::whole(
-            "neither the log nor the machine says how long a period is",
-            "--period with it in ms, or interpolation_period_ms in the machine's file",
-        )
-    })
+/// What is known of the corners of a path, at which a machine may cut some of it or jump in velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Corners {
+    /// Any turn of the log may be one.
+    Unknown,
+    /// The log marks them.
+    Marked,
+    /// The part has them.
+    OfPart,
 }
 
 /// Setpoints as they come, and what was found so far.
-struct Judge<'p> {
-    follower: Option<PartFollower<'p>>,
+pub(crate) struct Judge<'p> {
+    pub(crate) follower: Option<PartFollower<'p>>,
     /// How much of a part's path may have been passed in rows that are missing before the next setpoint, in mm.
     unseen_mm: f64,
     /// The last step, in mm.
     step_mm: f64,
     last_point: Option<[f64; 3]>,
-    limits: Vec<LogLimit>,
+    /// The step to it, where no row is missing before it.
+    last_way: Option<[f64; 3]>,
+    pub(crate) limits: Vec<LogLimit>,
     differences: Differences,
-    along: AlongPath,
-    not_judged: Vec<String>,
+    pub(crate) along: AlongPath,
+    trace: Option<Trace>,
+    pub(crate) not_judged: Vec<String>,
     period_s: f64,
     feed_mm: f64,
     given_r_mm: Option<f64>,
     from_rest_to_rest: bool,
-    jumps_at_corners: bool,
+    corners: Corners,
+    junction: Junction,
     /// The largest coordinate, in mm.
     largest_mm: f64,
     /// A setpoint of which it is not known whether the axes rest there.
@@ -226,21 +67,25 @@ struct Judge<'p> {
     last_period: u64,
     doubled: Faults,
     missing: Faults,
+    missing_at_rest: Faults,
+    /// Rows since the last gap, and the most without one.
+    stretch_rows: u64,
+    longest_rows: u64,
     standstills: Standstills,
     left_out: u64,
 }
 
 impl Judge<'_> {
-    fn new(
+    pub(crate) fn new(
         (machine, feed_mm_per_s): (&StatedLimits, Option<f64>),
         options: &LogOptions,
         period_s: f64,
-        marks_corners: bool,
+        corners: Corners,
     ) -> Self {
         let jumps = machine.junction == Junction::VelocityJump;
-        let mut limits = limits_of(machine, period_s, feed_mm_per_s);
+        let mut limits = limits_of(machine, period_s, feed_mm_per_s, corners == Corners::OfPart);
         let mut not_judged = not_stated(machine, feed_mm_per_s);
-        if jumps && !marks_corners {
+        if jumps && corners == Corners::Unknown {
             limits.retain(|limit| limit.stated.order == 0);
             not_judged.push(
                 "acceleration and jerk: the velocity may jump at corners, and the log does not say where they are".into(),
@@ -253,7 +98,9 @@ impl Judge<'_> {
             unseen_mm: 0.0,
             step_mm: 0.0,
             last_point: None,
+            last_way: None,
             differences: Differences::new(&stated),
+            trace: options.traces.then(|| Trace::new(&stated, period_s)),
             along: AlongPath::new(
                 machine.acceleration_mm_per_s2.filter(|_| judges_path).map(|most| most * period_s.powi(2)),
                 machine.jerk_mm_per_s3.filter(|_| judges_path).map(|most| most * period_s.powi(3)),
@@ -264,7 +111,8 @@ impl Judge<'_> {
             feed_mm: feed_mm_per_s.map_or(f64::INFINITY, |feed| feed * period_s),
             given_r_mm: options.resolution_mm,
             from_rest_to_rest: options.from_rest_to_rest,
-            jumps_at_corners: jumps && marks_corners,
+            corners,
+            junction: machine.junction,
             largest_mm: 0.0,
             waiting: None,
             standing: None,
@@ -276,22 +124,25 @@ impl Judge<'_> {
             last_period: 0,
             doubled: Faults::default(),
             missing: Faults::default(),
+            missing_at_rest: Faults::default(),
+            stretch_rows: 0,
+            longest_rows: 0,
             standstills: Standstills::default(),
             left_out: 0,
         }
     }
 
     /// How far the motion may be from the log's positions, of which this is half of a unit of the last decimal.
-    fn resolution_mm(&self, of_log_mm: f64) -> f64 {
+    pub(crate) fn resolution_mm(&self, of_log_mm: f64) -> f64 {
         self.given_r_mm.unwrap_or(of_log_mm).max(ROUNDED * self.largest_mm)
     }
 
-    fn look_at(&mut self, row: &Row) {
+    pub(crate) fn look_at(&mut self, row: &Row) {
         self.rows += 1;
         self.largest_mm = row.point_mm.iter().fold(self.largest_mm, |most, x| most.max(x.abs()));
     }
 
-    fn take(&mut self, event: Event, r_mm: f64) {
+    pub(crate) fn take(&mut self, event: Event, r_mm: f64) {
         match event {
             Event::Setpoint(next) => self.pass(next, r_mm),
             Event::Doubled { row, count } => {
@@ -311,7 +162,9 @@ impl Judge<'_> {
                 self.unseen_mm = 10.0 + 3.0 * way_mm;
                 self.end_section(true, r_mm);
             }
-            Event::Stood { count, .. } => {
+            Event::Stood { row, count } => {
+                let at = self.place_of(&row);
+                self.missing_at_rest.add(at, count);
                 let from = self.waiting;
                 self.end_section(true, r_mm);
                 self.standing = from.map(|from| from.row.point_mm);
@@ -349,6 +202,11 @@ impl Judge<'_> {
             self.along.end_section(false, r_mm * 3.0_f64.sqrt());
         }
         self.standing = None;
+        if let Some(trace) = &mut self.trace {
+            trace.end_section();
+        }
+        self.last_way = None;
+        self.longest_rows = self.longest_rows.max(std::mem::take(&mut self.stretch_rows));
     }
 
     /// Takes a setpoint, and looks at the one before it.
@@ -397,27 +255,36 @@ impl Judge<'_> {
         let (begin_s, period_s) = (self.begin_s(), self.period_s);
         let point = at.row.point_mm;
         let unseen_mm = std::mem::take(&mut self.unseen_mm);
-        if let Some(from) = self.last_point.replace(point) {
-            self.step_mm = distance(&from, &point);
-        }
-        let feed_mm = match &mut self.follower {
-            Some(follower) => follower.follow(
-                &LogPlace::of(&place(&at), begin_s, period_s),
-                unseen_mm,
-                2.0 * r_mm * 3.0_f64.sqrt(),
-            ),
-            None => self.feed_mm,
-        };
-        let next = Setpoint {
+        self.stretch_rows += 1;
+        let rho_mm = r_mm * 3.0_f64.sqrt();
+        let from = self.last_point.replace(point);
+        let way = from.map(|from| std::array::from_fn(|axis| point[axis] - from[axis]));
+        self.step_mm = way.map_or(self.step_mm, |way| norm(&way));
+        let before = std::mem::replace(&mut self.last_way, way.filter(|_| unseen_mm == 0.0));
+        let is_turn = before.zip(way).is_some_and(|(before, way)| turns(&before, &way, rho_mm));
+        let mut next = Setpoint {
             at: place(&at),
             way: Way::default(),
-            feed_mm,
-            passes_corner: self.jumps_at_corners && at.row.passes_corner,
+            feed_mm: self.feed_mm,
+            passes_corner: match self.corners {
+                Corners::Marked => at.row.passes_corner,
+                _ => is_turn,
+            },
             corner: None,
             ends_at_rest,
         };
+        if let Some(follower) = &mut self.follower {
+            let followed =
+                follower.follow(&LogPlace::of(&next.at, begin_s, period_s), unseen_mm, 2.0 * rho_mm);
+            (next.feed_mm, next.passes_corner) = (followed.feed_mm, followed.corner.is_some());
+            next.corner = followed.corner.filter(|_| self.junction == Junction::VelocityJump);
+        }
         let standing = self.standing.take();
-        let rho_mm = r_mm * 3.0_f64.sqrt();
+        if let Some(trace) = &mut self.trace {
+            let LogPlace { time_s, point_mm, .. } = LogPlace::of(&next.at, begin_s, period_s);
+            let (feed_mm, stands_before) = (next.feed_mm, standing.is_some());
+            trace.add(TracePoint { period: next.at.index, time_s, point_mm, feed_mm, stands_before, r_mm });
+        }
         self.along.add(next.at, standing.is_some(), rho_mm);
         if ends_at_rest {
             self.along.end_section(true, rho_mm);
@@ -425,23 +292,47 @@ impl Judge<'_> {
         self.differences.add(standing, Way::default(), next);
     }
 
+    /// What is found of the axes and of all together, seen within `r_mm` and so much more at corners.
+    fn findings(&self, r_mm: f64, at_corners_mm: Option<f64>) -> Vec<LimitFinding> {
+        let by_axis = self.differences.findings(r_mm, at_corners_mm);
+        // A point that is off by r in each axis is off by √3 r.
+        let by_vector = self.differences.findings(r_mm * 3.0_f64.sqrt(), at_corners_mm);
+        let one = |(axis, vector): (LimitFinding, LimitFinding)| match axis.limit.of {
+            Of::Vector => vector,
+            _ => axis,
+        };
+        by_axis.into_iter().zip(by_vector).map(one).collect()
+    }
+
+    /// The verdicts on limits.
+    fn verdicts(&self, r_mm: f64) -> Vec<JudgedLimit> {
+        let verdicts = Verdicts { begin_s: self.begin_s(), period_s: self.period_s, r_mm };
+        let at_corners_mm = self.junction.hidden_at_corners_mm();
+        let (found, at_corners) = match (self.corners, at_corners_mm) {
+            (Corners::Unknown, Some(hidden)) if hidden > 0.0 => {
+                (self.findings(r_mm, Some(0.0)), Some(self.findings(r_mm, at_corners_mm)))
+            }
+            (Corners::Unknown, _) => (self.findings(r_mm, Some(0.0)), None),
+            _ => (self.findings(r_mm, at_corners_mm), None),
+        };
+        let of = |(index, limit): (usize, &LogLimit)| {
+            verdicts.of(limit, &found[index], at_corners.as_ref().map(|all| &all[index]))
+        };
+        // Where no corner is passed, no velocity jumps.
+        let is_met = |(index, limit): &(usize, &LogLimit)| {
+            !matches!(limit.stated.of, Of::Jump(_)) || found[*index].raw.at.is_some()
+        };
+        let mut limits: Vec<JudgedLimit> = self.limits.iter().enumerate().filter(is_met).map(of).collect();
+        let behind_feed = limits.iter().take_while(|limit| limit.axis.is_none()).count();
+        limits.splice(behind_feed..behind_feed, self.along.limits.iter().map(|found| verdicts.along(found)));
+        limits
+    }
+
     /// What was found, at the end of the log.
-    fn finished(mut self, r_mm: f64) -> Judgement {
+    pub(crate) fn finished(mut self, r_mm: f64) -> Judgement {
         let ends_at_rest = self.from_rest_to_rest || self.stand.is_some();
         self.end_section(ends_at_rest, r_mm);
-        let corners = if self.jumps_at_corners { None } else { Some(0.0) };
-        let by_axis = self.differences.findings(r_mm, corners);
-        // A point that is off by r in each axis is off by √3 r.
-        let by_vector = self.differences.findings(r_mm * 3.0_f64.sqrt(), corners);
-        let found = by_axis.iter().zip(&by_vector).zip(&self.limits);
-        let limits = found.map(|((axis, vector), limit)| match limit.stated.of {
-            Of::Vector => self.judged(limit, vector),
-            _ => self.judged(limit, axis),
-        });
-        let mut limits: Vec<JudgedLimit> = limits.collect();
-        let own = self.along.limits.iter().map(|found| self.judged_along(found));
-        let behind_feed = limits.iter().take_while(|limit| limit.axis.is_none()).count();
-        limits.splice(behind_feed..behind_feed, own.collect::<Vec<_>>());
+        let limits = self.verdicts(r_mm);
         Judgement {
             limits,
             rows: self.rows,
@@ -452,80 +343,15 @@ impl Judge<'_> {
             not_judged: self.not_judged,
             doubled: self.doubled,
             missing: self.missing,
+            missing_at_rest: self.missing_at_rest,
+            longest_rows: self.longest_rows,
             standstills: self.standstills,
             left_out: self.left_out,
             uneven_s: 0.0,
+            trace: self.trace.map_or_else(Vec::new, |trace| trace.columns),
             part: self.follower.map(|follower| follower.finished(2.0 * r_mm)),
         }
     }
-
-    fn judged_along(&self, found: &OfPath) -> JudgedLimit {
-        let power = i32::try_from(found.order + 1).unwrap_or(0);
-        let value = found.most * self.period_s.powi(-power);
-        let stated = StatedLimit { of: Of::Path, order: found.order, most: found.most };
-        let limit = LogLimit { stated, value };
-        let is_kept = found.raw.figure <= 1.0;
-        self.judged(
-            &limit,
-            &LimitFinding {
-                limit: stated,
-                raw: found.raw,
-                taken: if is_kept { found.raw } else { found.excess },
-                periods: if is_kept { 1 } else { found.periods },
-                seen_within_mm: None,
-                decided_below_mm: 0.0,
-            },
-        )
-    }
-
-    fn judged(&self, limit: &LogLimit, found: &LimitFinding) -> JudgedLimit {
-        let verdict = match found.taken.figure <= 1.0 + SLACK {
-            _ if found.raw.at.is_none() => LimitVerdict::NotJudged,
-            true if found.raw.figure <= 1.0 + SLACK => LimitVerdict::Kept,
-            true => LimitVerdict::KeptWithin,
-            false => LimitVerdict::Broken,
-        };
-        let place = if verdict == LimitVerdict::Broken { found.taken.at } else { found.raw.at };
-        // A point that is off by r in each axis is off by √3 r.
-        let spread = if limit.stated.of == Of::Vector { 3.0_f64.sqrt() } else { 1.0 };
-        let is_open = verdict == LimitVerdict::KeptWithin;
-        JudgedLimit {
-            what: limit.stated.what(),
-            axis: limit.axis(),
-            limit: limit.value,
-            unit: limit.unit(),
-            verdict,
-            raw: found.raw.figure,
-            // Below 0 the resolution hides more than there is.
-            taken: if found.taken.figure < 0.0 { 0.0 } else { found.taken.figure },
-            periods: found.periods,
-            at: place.map(|at| LogPlace::of(&at, self.begin_s(), self.period_s)),
-            decided_below_mm: (is_open && found.decided_below_mm > 0.0)
-                .then_some(found.decided_below_mm / spread),
-        }
-    }
-}
-
-/// What the machine's file does not limit.
-fn not_stated(machine: &StatedLimits, feed_mm_per_s: Option<f64>) -> Vec<String> {
-    let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
-    let lacks = |name: &str, has: [bool; 3]| {
-        let missing: Vec<&str> =
-            ["X", "Y", "Z"].into_iter().zip(has).filter(|(_, has)| !has).map(|(axis, _)| axis).collect();
-        (!missing.is_empty()).then(|| format!("{name} of {}: the machine states none", missing.join(", ")))
-    };
-    let along = |name: &str, has: bool, of: &str| (!has).then(|| format!("{name}: {of} states none"));
-    [
-        along("feed", feed_mm_per_s.is_some(), "neither the machine nor a part"),
-        along("acceleration along the path", machine.acceleration_mm_per_s2.is_some(), "the machine"),
-        along("jerk along the path", machine.jerk_mm_per_s3.is_some(), "the machine"),
-        lacks("velocity", axes.map(|axis| axis.velocity_mm_per_s.is_some())),
-        lacks("acceleration", axes.map(|axis| axis.acceleration_mm_per_s2.is_some())),
-        lacks("jerk", axes.map(|axis| axis.jerk_mm_per_s3.is_some())),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
 }
 
 fn place(at: &Timed) -> StepPlace {
@@ -536,4 +362,19 @@ fn place(at: &Timed) -> StepPlace {
 /// Whether two rows are at the same place, as far as is seen.
 fn stands(one: &Row, other: &Row, r_mm: f64) -> bool {
     one.point_mm.iter().zip(&other.point_mm).all(|(from, to)| (from - to).abs() <= 2.0 * r_mm)
+}
+
+/// A turn of the direction that is taken for a corner, in radians, as in a path: 2⁻¹².
+const TURN: f64 = 1.0 / 4096.0;
+
+/// Whether the direction turns from one step to the next by more than positions within ρ of the motion let it seem to.
+///
+/// A turn that rounding hides changes the velocity by less than rounding does, so it needs no corner.
+fn turns(before: &[f64; 3], step: &[f64; 3], rho_mm: f64) -> bool {
+    let lengths = [norm(before), norm(step)];
+    let [least, most] = [lengths[0].min(lengths[1]), lengths[0].max(lengths[1])];
+    if least <= 4.0 * rho_mm {
+        return false;
+    }
+    norm(&cross(before, step)) > TURN * least * most + 4.0 * rho_mm * most || dot(before, step) < 0.0
 }

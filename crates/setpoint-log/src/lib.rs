@@ -11,9 +11,13 @@
 //! | `machine_limits` | which limits has the machine, per period? | |
 //! | `part_path` | where is the path of a part, exactly and in straight segments? | |
 //! | `in_order`, `nearest` | where on the path is a setpoint, in the order of both, and wherever? | |
+//! | `cruise` | how even is the feed where it is constant? | [`Fluctuation`] |
 //! | `part_follower` | how far off is it, and how fast may it be there? | |
 //! | `along_path` | what is taken of acceleration and jerk along the path? | |
-//! | `judge` | are they kept? | [`judge()`], [`Log`], [`LogOptions`], [`Followed`] |
+//! | `judge`, `verdict` | are they kept? | |
+//! | `log` | what does a whole log show? | [`judge()`], [`Log`] |
+//! | `options` | how is it to be read, and which part is it to follow? | [`LogOptions`], [`Followed`] |
+//! | `trace` | what do pictures of it show? | [`TraceColumn`], [`QUANTITIES`] |
 //! | `findings` | what was found? | [`Judgement`], [`JudgedLimit`], [`LimitVerdict`], [`Faults`], [`Standstills`] |
 //! | `log_place` | where in a log? | [`LogPlace`] |
 //! | `part_findings` | how does the log follow a part? | [`PartFindings`], [`Off`], [`SkippedMoves`], [`LineFeed`] |
@@ -36,29 +40,37 @@
 
 mod along_path;
 mod columns;
+mod cruise;
 mod csv_log;
 mod decimal;
 mod findings;
 mod in_order;
 mod judge;
+mod log;
 mod log_error;
 mod log_period;
 mod log_place;
 mod machine_limits;
 mod motan_log;
 mod nearest;
+mod options;
 mod part_findings;
 mod part_follower;
 mod part_path;
 mod period;
 mod row;
 mod text;
+mod trace;
 mod unit;
+mod verdict;
 
 pub use columns::ColumnMap;
+pub use cruise::Fluctuation;
 pub use findings::{Faults, JudgedLimit, Judgement, LimitVerdict, Standstills};
-pub use judge::{Followed, Log, LogOptions, judge};
+pub use log::{Log, judge};
 pub use log_error::LogError;
 pub use log_place::LogPlace;
+pub use options::{Followed, LogOptions};
 pub use part_findings::{LineFeed, Off, PartFindings, SkippedMoves};
+pub use trace::{QUANTITIES, TraceColumn};
 pub use unit::LengthUnit;

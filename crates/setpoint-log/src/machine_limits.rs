@@ -1,5 +1,7 @@
 //! The limits of a machine for the setpoints of a log, per period.
 
+use domains::machine::{ACCELERATION, AXIS_ACCELERATION, AXIS_JERK, AXIS_VELOCITY, FEEDRATE, JERK};
+use domains::{Key, shown};
 use limit_judge::{Of, StatedLimit};
 use part_program::{Junction, StatedLimits};
 
@@ -18,7 +20,7 @@ const UNITS: [&str; 3] = ["mm/s", "mm/s²", "mm/s³"];
 impl LogLimit {
     pub(crate) fn axis(&self) -> Option<&'static str> {
         match self.stated.of {
-            Of::Axis(axis) => AXES.get(axis).copied(),
+            Of::Axis(axis) | Of::Jump(axis) => AXES.get(axis).copied(),
             _ => None,
         }
     }
@@ -29,7 +31,13 @@ impl LogLimit {
 }
 
 /// The limits that hold for a motion with setpoints every `period_s`. The feed along the path is the share of what each step commands.
-pub(crate) fn limits_of(machine: &StatedLimits, period_s: f64, feed_mm_per_s: Option<f64>) -> Vec<LogLimit> {
+/// `knows_turns` says whether it is known by how much the path turns at corners, where velocities may jump.
+pub(crate) fn limits_of(
+    machine: &StatedLimits,
+    period_s: f64,
+    feed_mm_per_s: Option<f64>,
+    knows_turns: bool,
+) -> Vec<LogLimit> {
     let powers = [period_s, period_s.powi(2), period_s.powi(3)];
     let feed = feed_mm_per_s
         .map(|value| LogLimit { stated: StatedLimit { of: Of::Vector, order: 0, most: 1.0 }, value });
@@ -48,7 +56,12 @@ pub(crate) fn limits_of(machine: &StatedLimits, period_s: f64, feed_mm_per_s: Op
         };
         values.into_iter().enumerate().filter_map(one)
     });
-    feed.into_iter().chain(total).chain(of_axes).collect()
+    let may_jump = machine.junction == Junction::VelocityJump && knows_turns;
+    let jumps = axes.into_iter().enumerate().filter(|_| may_jump).filter_map(|(axis, limits)| {
+        let value = limits.velocity_jump_mm_per_s?;
+        Some(LogLimit { stated: StatedLimit { of: Of::Jump(axis), order: 0, most: value * period_s }, value })
+    });
+    feed.into_iter().chain(total).chain(of_axes).chain(jumps).collect()
 }
 
 /// What the clock has to know of a machine. Where the velocity may jump, so much more.
@@ -60,4 +73,44 @@ pub(crate) fn clock_limits(machine: &StatedLimits, period_s: f64) -> ClockLimits
         Some(own * period_s.powi(2) + jump.unwrap_or(0.0) * period_s)
     });
     ClockLimits { period_s, change_mm }
+}
+
+/// What the machine's file does not limit, a sentence for each; what it assumes is none of its limits.
+pub(crate) fn not_stated(machine: &StatedLimits, feed_mm_per_s: Option<f64>) -> Vec<String> {
+    let along = |name: &str, has: bool, of: &str, key: &Key| {
+        let said = match machine.assumed_value(None, key.name) {
+            Some(value) => format!("{name}: the machine's file assumes {} {}", shown(value), key.unit()),
+            None => format!("{name}: {of} states none"),
+        };
+        (!has).then_some(said)
+    };
+    let of_path = [
+        along("feed", feed_mm_per_s.is_some(), "neither the machine nor a part", &FEEDRATE),
+        along(
+            "acceleration along the path",
+            machine.acceleration_mm_per_s2.is_some(),
+            "the machine",
+            &ACCELERATION,
+        ),
+        along("jerk along the path", machine.jerk_mm_per_s3.is_some(), "the machine", &JERK),
+    ];
+    let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
+    let of_axes = [
+        ("velocity", axes.map(|axis| axis.velocity_mm_per_s), AXIS_VELOCITY),
+        ("acceleration", axes.map(|axis| axis.acceleration_mm_per_s2), AXIS_ACCELERATION),
+        ("jerk", axes.map(|axis| axis.jerk_mm_per_s3), AXIS_JERK),
+    ];
+    let lacks = |(name, has, key): (&str, [Option<f64>; 3], Key)| {
+        let missing: Vec<usize> = (0..3).filter(|axis| has[*axis].is_none()).collect();
+        let (assumed, unknown): (Vec<usize>, Vec<usize>) = missing
+            .into_iter()
+            .partition(|axis| machine.assumed_value(Some(["x", "y", "z"][*axis]), key.name).is_some());
+        [(assumed, "the machine's file assumes one"), (unknown, "the machine states none")].map(
+            |(of, why)| {
+                let of: Vec<&str> = of.into_iter().map(|axis| AXES[axis]).collect();
+                (!of.is_empty()).then(|| format!("{name} of {}: {why}", of.join(", ")))
+            },
+        )
+    };
+    of_path.into_iter().chain(of_axes.into_iter().flat_map(lacks)).flatten().collect()
 }

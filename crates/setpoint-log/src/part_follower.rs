@@ -1,7 +1,9 @@
 //! Follows the path of a part by the setpoints of a log: where each is, how far off, and at which feed.
 
+use limit_judge::Corner;
 use part_program::StatedLimits;
 
+use crate::cruise::{Cruise, CruiseStep};
 use crate::in_order::{InOrder, Way};
 use crate::log_place::LogPlace;
 use crate::nearest::Nearest;
@@ -14,12 +16,25 @@ const SLOWING: f64 = 0.1;
 const FAR: f64 = 0.01;
 /// By how much a step exceeds its feed before its line is named, as a share.
 const OVER_FEED: f64 = 1e-6;
+/// So near to a corner a step begins at it, in mm, beside what is hidden: as far as segments are from their curves.
+const AT_CORNER_MM: f64 = FLAT_MM;
 /// Lines that are named.
 const MOST_LINES: usize = 20;
+
+/// What the path says of a step of the log.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OnPath {
+    /// The longest step that is allowed, in mm.
+    pub(crate) feed_mm: f64,
+    /// The sharpest corner that the step passes or begins at.
+    pub(crate) corner: Option<Corner>,
+}
 
 /// The part's path being followed.
 pub(crate) struct PartFollower<'p> {
     path: &'p PartPath,
+    /// Whether the log leaves rapid moves out.
+    leaves_rapids_out: bool,
     nearest: Nearest<'p>,
     order: InOrder<'p>,
     period_s: f64,
@@ -34,6 +49,8 @@ pub(crate) struct PartFollower<'p> {
     /// The length of the log so far.
     log_mm: f64,
     nearest_off: [Off; 2],
+    chord_error: Off,
+    cruise: Cruise,
     setpoints: u64,
     far: u64,
     box_mm: [[f64; 3]; 2],
@@ -45,16 +62,17 @@ impl<'p> PartFollower<'p> {
     pub(crate) fn new(
         path: &'p PartPath,
         machine: &StatedLimits,
-        first: &[f64; 3],
+        (first, leaves_rapids_out): (&[f64; 3], bool),
         (period_s, tolerance_mm): (f64, Option<f64>),
     ) -> Self {
         let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
         let of_axes = axes.iter().filter_map(|axis| axis.acceleration_mm_per_s2).reduce(f64::min);
         let acceleration = machine.acceleration_mm_per_s2.or(of_axes).unwrap_or(0.0);
-        let mut order = InOrder::new(path, first);
+        let mut order = InOrder::new(path, first, leaves_rapids_out);
         let way = order.step(first, first, 0.0);
         Self {
             path,
+            leaves_rapids_out,
             nearest: Nearest::new(path),
             order,
             period_s,
@@ -65,6 +83,8 @@ impl<'p> PartFollower<'p> {
             step_mm: 0.0,
             log_mm: 0.0,
             nearest_off: [Off::default(); 2],
+            chord_error: Off::default(),
+            cruise: Cruise::default(),
             setpoints: 0,
             far: 0,
             box_mm: [*first; 2],
@@ -72,9 +92,8 @@ impl<'p> PartFollower<'p> {
         }
     }
 
-    /// Follows the log to a setpoint, over so much of the path that was not seen; returns the longest step that is allowed there, in mm.
-    /// A step is known within `hidden_mm`.
-    pub(crate) fn follow(&mut self, at: &LogPlace, unseen_mm: f64, hidden_mm: f64) -> f64 {
+    /// Follows the log to a setpoint, over so much of the path that was not seen. A step is known within `hidden_mm`.
+    pub(crate) fn follow(&mut self, at: &LogPlace, unseen_mm: f64, hidden_mm: f64) -> OnPath {
         let (from, way_before) = self.before;
         let way = self.order.step(&from, &at.point_mm, unseen_mm);
         self.before = (at.point_mm, way);
@@ -89,8 +108,49 @@ impl<'p> PartFollower<'p> {
         let allowed_mm = self.allowed(&way_before, &way);
         let step_mm = if unseen_mm > 0.0 { 0.0 } else { distance(&from, &at.point_mm) };
         self.note_feed(at, &way, (step_mm - hidden_mm, allowed_mm));
+        let straight_mm = self.step_mm.max(step_mm);
         (self.allowed_mm, self.step_mm) = (allowed_mm, step_mm);
-        allowed_mm
+        let ends_mm = [way_before, way].map(|way| self.path.length_to(way.segment, way.share));
+        let near_mm = AT_CORNER_MM + hidden_mm;
+        // Where a corner is sharp, the place on the path may pass it a step late.
+        let turn = self.path.corner_between([ends_mm[0], ends_mm[1] + step_mm], near_mm);
+        let corner = turn.filter(|_| unseen_mm <= 0.0).map(|turn| {
+            // Along the path the velocity changes by so much in half a period.
+            let changed_mm = 0.5 * self.acceleration_mm;
+            // Of a place that is late the legs are too long: the step before, or this one, is straight.
+            let legs_mm = (ends_mm[1] - ends_mm[0]).abs().min(straight_mm);
+            Corner { turn, step_mm: (legs_mm - changed_mm).max(0.0) }
+        });
+        let passes_corner = self.path.corner_between(ends_mm, near_mm).is_some();
+        let is_late = [way_before, way].iter().any(|way| way.off_2.sqrt() > near_mm);
+        // Of a step over a corner nobody knows the legs while the place is late.
+        if !(passes_corner && is_late) {
+            let legs_mm = if passes_corner { ends_mm[1] - ends_mm[0] } else { step_mm };
+            let has_seen = unseen_mm <= 0.0 && self.path.is_feed(way.segment);
+            self.note_evenness(at, [way_before, way], has_seen.then_some(legs_mm), hidden_mm);
+        }
+        OnPath { feed_mm: allowed_mm, corner }
+    }
+
+    /// Notes the chord error of a step between two places, and its length if that is known, which is to be the commanded one at cruise.
+    fn note_evenness(&mut self, at: &LogPlace, [from, to]: [Way; 2], step_mm: Option<f64>, hidden_mm: f64) {
+        let [first, last] = [from, to].map(|way| self.path.segments[way.segment].of_move);
+        let line = self.path.moves[last].line;
+        let [one, other] = [from, to].map(|way| (way.segment, way.share));
+        let chord_mm = step_mm.and_then(|_| self.path.chord_error_mm(one, other));
+        if let Some(mm) = chord_mm.filter(|mm| *mm > self.chord_error.mm) {
+            self.chord_error = Off { mm, at: Some(*at), line };
+        }
+        let feed_mm = |of: usize| Some(self.path.moves[of].feed_mm_per_s? * self.period_s);
+        let both = feed_mm(first).zip(feed_mm(last)).filter(|(one, other)| one.total_cmp(other).is_eq());
+        let step = step_mm.zip(both).map(|(step_mm, (feed_mm, _))| CruiseStep {
+            step_mm,
+            feed_mm,
+            hidden_mm,
+            at: *at,
+            line,
+        });
+        self.cruise.take(step);
     }
 
     /// Measures how far a setpoint is from its place, and from the path.
@@ -180,12 +240,15 @@ impl<'p> PartFollower<'p> {
         let line = |segment: usize| self.path.moves[self.path.segments[segment].of_move].line;
         let skipped = followed.skips.iter().map(|skip| SkippedMoves {
             lines: [line((skip.from + 1).min(skip.to)), line(skip.to.saturating_sub(1).max(skip.from))],
-            length_mm: self.path.so_far_mm[skip.to] - self.path.so_far_mm[skip.from + 1],
+            length_mm: self.seen_length_mm(skip.from + 1..skip.to),
             off_mm: skip.off_mm,
         });
-        let skipped: Vec<SkippedMoves> = skipped.collect();
+        let skipped: Vec<SkippedMoves> = skipped.filter(|skip| skip.length_mm > 0.0).collect();
         let ends_at_mm = self.path.length_to(way.segment, way.share);
-        let visited_mm = (ends_at_mm - skipped.iter().map(|skip| skip.length_mm).sum::<f64>()).max(0.0);
+        let here_mm = self.seen_length_mm(way.segment..way.segment + 1);
+        let behind_mm = self.seen_length_mm(way.segment + 1..self.path.segments.len());
+        let left_mm = (1.0 - way.share) * here_mm + behind_mm;
+        let skipped_mm: f64 = skipped.iter().map(|skip| skip.length_mm).sum();
         let order_mm = way.largest_2.sqrt();
         PartFindings {
             moves: self.path.moves.len(),
@@ -195,10 +258,12 @@ impl<'p> PartFollower<'p> {
             order_mm,
             path_to_log_mm: followed.from_path_mm,
             tolerance_mm: self.tolerance_mm,
+            chord_error: self.chord_error,
+            fluctuation: self.cruise.worst,
             skipped,
-            left_mm: self.path.length_mm() - ends_at_mm,
+            left_mm,
             ends_at_mm,
-            never_visited_mm: self.path.length_mm() - visited_mm,
+            never_visited_mm: (left_mm + skipped_mm).min(self.path.length_mm()),
             log_mm: self.log_mm,
             ends_in_line: line(way.segment),
             over_feed: self.over.clone(),
@@ -206,6 +271,12 @@ impl<'p> PartFollower<'p> {
             unit_ratio: self.unit_ratio(),
             hidden_mm,
         }
+    }
+
+    /// The length of some segments of the path, of those that such a log shows, in mm.
+    fn seen_length_mm(&self, segments: std::ops::Range<usize>) -> f64 {
+        let shown = segments.filter(|segment| !self.leaves_rapids_out || self.path.is_feed(*segment));
+        shown.map(|segment| self.path.so_far_mm[segment + 1] - self.path.so_far_mm[segment]).sum()
     }
 
     /// The ratio of two units, if that is what log and part differ by in size.

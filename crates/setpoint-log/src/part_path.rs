@@ -1,6 +1,8 @@
 //! The path of a part as straight segments, none farther from the exact curve than a tolerance.
 
-use nurbs_core::{CurveError, Derivatives, Differentiate, Evaluate, NurbsBuf, distance_to_segment};
+use nurbs_core::{
+    CurveError, Derivatives, Differentiate, Evaluate, NurbsBuf, distance_to_segment, tangent_breaks,
+};
 use part_program::{MoveKind, Part};
 
 /// How far a segment may be from its curve, in mm. Figures of curves are taken from the curves themselves.
@@ -43,6 +45,10 @@ pub(crate) struct PartPath {
     pub(crate) so_far_mm: Vec<f64>,
     /// The diagonal of the box around it, in mm.
     pub(crate) extent_mm: f64,
+    /// The corners: their vertices, and by how much each component of the unit tangent changes there.
+    corners: Vec<(usize, [f64; 3])>,
+    /// The tangent at the last vertex so far, of any length.
+    arriving: [f64; 3],
 }
 
 impl PartPath {
@@ -57,6 +63,8 @@ impl PartPath {
             moves: Vec::new(),
             so_far_mm: Vec::new(),
             extent_mm: 0.0,
+            corners: Vec::new(),
+            arriving: [0.0; 3],
         };
         for (curve, one) in part.curves.iter().zip(&part.moves) {
             let points = curve.control_points_mm();
@@ -100,6 +108,8 @@ impl PartPath {
         match self.vertices.last() {
             None => self.vertices.push(first),
             Some(before) if *before != first => {
+                let way = difference(&first, before);
+                self.pass_joint(&way, way);
                 self.vertices.push(first);
                 self.segments.push(Segment { of_move, u: [0.0; 2], is_gap: true });
             }
@@ -107,6 +117,8 @@ impl PartPath {
         }
         let from = self.vertices.len() - 1;
         let Some(exact) = self.moves[of_move].curve.take() else {
+            let way = difference(&last, &first);
+            self.pass_joint(&way, way);
             self.add(last, of_move, [0.0, 1.0]);
             self.moves[of_move].length_mm = distance(&first, &last);
             return;
@@ -114,12 +126,48 @@ impl PartPath {
         let curve = exact.as_curve();
         for span in 0..curve.span_count() {
             let (begin, end) = curve.span_bounds(span);
+            let [leaving, arriving] = [begin, end].map(|u| curve.derivatives_in(span, u).first);
+            self.pass_joint(&leaving, arriving);
             let ends = [begin, end].map(|u| (u, curve.point(u)));
             self.flatten(&|u| curve.point(u), ends, of_move, 0);
         }
         self.moves[of_move].length_mm =
             self.vertices[from..].windows(2).map(|pair| distance(&pair[0], &pair[1])).sum();
         self.moves[of_move].curve = Some(exact);
+    }
+
+    /// Notes whether the path has a corner at its last vertex, from which it goes on with a tangent; it ends with another.
+    fn pass_joint(&mut self, leaving: &[f64; 3], arriving: [f64; 3]) {
+        let before = std::mem::replace(&mut self.arriving, arriving);
+        if tangent_breaks(&before, leaving) {
+            let [from, to] = [before, *leaving].map(|tangent| norm(&tangent));
+            let turn = std::array::from_fn(|axis| (leaving[axis] / to - before[axis] / from).abs());
+            self.corners.push((self.vertices.len() - 1, turn));
+        }
+    }
+
+    /// By how much each component of the unit tangent changes at the sharpest corner between two places of the path, in mm from its begin,
+    /// or within `near_mm` of them.
+    pub(crate) fn corner_between(&self, [from_mm, to_mm]: [f64; 2], near_mm: f64) -> Option<[f64; 3]> {
+        let begin = from_mm.min(to_mm) - near_mm;
+        let first = self.corners.partition_point(|(vertex, _)| self.so_far_mm[*vertex] < begin);
+        let end = from_mm.max(to_mm) + near_mm;
+        let met = self.corners[first..].iter().take_while(|(vertex, _)| self.so_far_mm[*vertex] <= end);
+        met.map(|(_, turn)| *turn).max_by(|one, other| norm(one).total_cmp(&norm(other)))
+    }
+
+    /// The largest distance of the path between two places on segments of one curve from their chord, in mm; `None` if they are on no curve
+    /// or on two.
+    pub(crate) fn chord_error_mm(&self, from: (usize, f64), to: (usize, f64)) -> Option<f64> {
+        let own = |(segment, share): (usize, f64)| {
+            let Segment { of_move, u, is_gap } = self.segments[segment];
+            (!is_gap).then_some((of_move, u[0] + share * (u[1] - u[0])))
+        };
+        let ((first, begin), (last, end)) = (own(from)?, own(to)?);
+        let curve = self.moves[first].curve.as_ref().filter(|_| first == last)?.as_curve();
+        let chord = [begin, end].map(|u| curve.point(u));
+        let off = |share: f64| distance_to_segment(&curve.point(begin + share * (end - begin)), &chord);
+        [0.25, 0.5, 0.75].into_iter().map(off).reduce(f64::max)
     }
 
     fn add(&mut self, vertex: [f64; 3], of_move: usize, u: [f64; 2]) {
@@ -201,8 +249,17 @@ pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+pub(crate) fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 pub(crate) fn norm(a: &[f64; 3]) -> f64 {
     dot(a, a).sqrt()
+}
+
+/// From one point to another.
+fn difference(to: &[f64; 3], from: &[f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| to[axis] - from[axis])
 }
 
 pub(crate) fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {

@@ -13,9 +13,13 @@ pub(crate) fn text(name: &str, found: &Judgement, faults: &[String]) -> String {
     if !found.limits.is_empty() {
         text.push('\n');
         text += &limits(found);
-        text += &places(found);
+        text += &remarks(found);
     }
-    for (label, faults) in [("twice       ", &found.doubled), ("missing     ", &found.missing)] {
+    for (label, faults) in [
+        ("twice       ", &found.doubled),
+        ("missing     ", &found.missing),
+        ("at rest     ", &found.missing_at_rest),
+    ] {
         text += &rows(label, faults);
     }
     if let Some(part) = &found.part {
@@ -32,22 +36,32 @@ pub(crate) fn text(name: &str, found: &Judgement, faults: &[String]) -> String {
 }
 
 fn answer(name: &str, found: &Judgement, faults: &[String]) -> String {
-    let name = screen::file_name(name);
+    let said = said(&screen::file_name(name), found, faults);
+    screen::answer(&said) + &faults.iter().map(|fault| labelled("- ", fault)).collect::<String>()
+}
+
+/// The answer in a sentence.
+pub(crate) fn said(name: &str, found: &Judgement, faults: &[String]) -> String {
     let count = |verdict| found.limits.iter().filter(|limit| limit.verdict == verdict).count();
     let (hidden, unseen) = (count(LimitVerdict::KeptWithin), count(LimitVerdict::NotJudged));
-    let said = match (faults.len(), hidden) {
+    let at_corners = count(LimitVerdict::BrokenUnlessCorner);
+    match (faults.len(), hidden) {
         (0, 0) if found.limits.is_empty() => format!("{name}: the machine states no limit."),
+        (0, _) if at_corners > 0 => {
+            format!(
+                "{name}: no limit is broken for certain; {at_corners} are, unless the path has corners there."
+            )
+        }
         (0, 0) if unseen > 0 => {
             format!(
-                "{name}: no limit is broken; {unseen} are not judged, for the log has no window without a gap."
+                "{name}: no limit is broken; {unseen} are not judged, for the log has no window for them."
             )
         }
         (0, 0) => format!("{name}: every limit is kept."),
         (0, _) => format!("{name}: no limit is broken; {} are kept within what the log resolves.", hidden),
         (1, _) => format!("{name}: one fault."),
         (count, _) => format!("{name}: {count} faults."),
-    };
-    screen::answer(&said) + &faults.iter().map(|fault| labelled("- ", fault)).collect::<String>()
+    }
 }
 
 fn summary(found: &Judgement) -> String {
@@ -107,7 +121,9 @@ fn limits(found: &Judgement) -> String {
             if limit.verdict == LimitVerdict::NotJudged { "-".into() } else { share(limit.raw) },
             match limit.verdict {
                 LimitVerdict::Kept | LimitVerdict::NotJudged => String::new(),
-                LimitVerdict::KeptWithin | LimitVerdict::Broken => share(limit.taken),
+                LimitVerdict::KeptWithin | LimitVerdict::Broken | LimitVerdict::BrokenUnlessCorner => {
+                    share(limit.taken)
+                }
             },
             verdict(limit),
             at.map_or(String::new(), |at| at.row.to_string()),
@@ -118,11 +134,12 @@ fn limits(found: &Judgement) -> String {
     table(&header, rows.collect())
 }
 
-fn verdict(limit: &JudgedLimit) -> String {
+pub(crate) fn verdict(limit: &JudgedLimit) -> String {
     match limit.verdict {
         LimitVerdict::Kept => "kept".into(),
         LimitVerdict::KeptWithin => "kept within r".into(),
         LimitVerdict::Broken => "broken".into(),
+        LimitVerdict::BrokenUnlessCorner => "broken?".into(),
         LimitVerdict::NotJudged => "not judged".into(),
     }
 }
@@ -133,25 +150,29 @@ fn share(share: f64) -> String {
 }
 
 /// Where limits are broken, and which logs would tell where this one does not.
-fn places(found: &Judgement) -> String {
+fn remarks(found: &Judgement) -> String {
     let mut text = String::new();
     for limit in &found.limits {
         match (limit.verdict, limit.at, limit.decided_below_mm) {
             (LimitVerdict::Broken, Some(at), _) => {
-                let over = match limit.periods {
-                    1 => "a period".to_string(),
-                    periods => format!("{periods} periods"),
-                };
+                text += &labelled("broken      ", &broken(limit, &at));
+            }
+            (LimitVerdict::BrokenUnlessCorner, Some(at), _) => {
                 let said = format!(
-                    "{} {} times its limit, over {over}, {}",
-                    limit.what,
-                    share(limit.taken),
-                    place(&at)
+                    "{}; unless the path has a corner there, which the machine may cut: --part says where corners are",
+                    broken(limit, &at)
                 );
-                text += &labelled("broken      ", &said);
+                text += &labelled("broken?     ", &said);
             }
             (LimitVerdict::KeptWithin, _, Some(within)) => {
-                let said = format!("r below {within:.1e} mm, of {}", limit.what);
+                text += &labelled("would show  ", &would_show(found, limit, within));
+            }
+            (LimitVerdict::KeptWithin, _, None) if limit.seen_within_mm > Some(found.resolution_mm) => {
+                let said = format!(
+                    "no finer r alone, of {}: at corners it is kept within {} mm, by which the machine may cut them",
+                    limit.what,
+                    small(limit.seen_within_mm.unwrap_or(0.0))
+                );
                 text += &labelled("would show  ", &said);
             }
             (LimitVerdict::KeptWithin, _, None) if limit.what.ends_with("along the path") => {
@@ -162,13 +183,52 @@ fn places(found: &Judgement) -> String {
                 text += &labelled("would show  ", &said);
             }
             (LimitVerdict::NotJudged, ..) => {
-                let said = format!("{}: the log has no window for it without a gap", limit.what);
+                let said = not_judged(found, limit);
                 text += &labelled("not judged  ", &said);
             }
             _ => {}
         }
     }
     if text.is_empty() { text } else { format!("\n{text}") }
+}
+
+/// Why a limit was not judged.
+fn not_judged(found: &Judgement, limit: &JudgedLimit) -> String {
+    let rows = limit.rows_of_a_period;
+    if found.longest_rows < rows as u64 {
+        let longest = found.longest_rows;
+        format!(
+            "{}: it takes {rows} rows without a gap between them, and the log has {longest} at most",
+            limit.what
+        )
+    } else {
+        format!("{}: each window holds a corner, where the velocity may jump", limit.what)
+    }
+}
+
+/// By how much a limit is broken, and where.
+fn broken(limit: &JudgedLimit, at: &LogPlace) -> String {
+    let over = match limit.periods {
+        1 => "a period".to_string(),
+        periods => format!("{periods} periods"),
+    };
+    format!("{} {} times its limit, over {over}, {}", limit.what, share(limit.taken), place(at))
+}
+
+/// What would show that a limit is broken: a finer log; and how long twice the limit has to last so that this one shows it.
+fn would_show(found: &Judgement, limit: &JudgedLimit, within_mm: f64) -> String {
+    let finer = format!("r below {within_mm:.1e} mm, of {}", limit.what);
+    let Some(periods) = limit.twice_shows_over_periods else {
+        return format!("{finer}; twice the limit shows over no window that is looked at");
+    };
+    let rows = (limit.rows_of_a_period - 1) * periods + 1;
+    let longest = usize::try_from(found.longest_rows).unwrap_or(usize::MAX);
+    let lacks = if rows > longest {
+        format!(": {rows} rows without a gap, of which the log has {longest} at most")
+    } else {
+        String::new()
+    };
+    format!("{finer}; twice the limit shows over {} or more{lacks}", counted(periods, "period", "periods"))
 }
 
 fn place(at: &LogPlace) -> String {
@@ -205,6 +265,25 @@ fn of_part(part: &PartFindings) -> String {
         "off log     ",
         if visits_none { "not judged: none of the path was visited" } else { &said },
     );
+    if let Some(at) = part.chord_error.at {
+        let said = format!(
+            "{} mm at most of a curve from the straight line between two places on it, in line {}, {}",
+            small(part.chord_error.mm),
+            part.chord_error.line,
+            place(&at)
+        );
+        text += &labelled("chord error ", &said);
+    }
+    if let Some(found) = &part.fluctuation {
+        let said = format!(
+            "{:.1e} of the feed at most at cruise, of which rounding may make {:.1e}: in line {}, {}",
+            found.share,
+            found.hidden,
+            found.line,
+            place(&found.at)
+        );
+        text += &labelled("fluctuation ", &said);
+    }
     if part.leaves_some() {
         let said = format!(
             "{:.3} of {:.3} mm of the path, {:.1} %; the log ends at {:.3} mm, in line {}",
@@ -230,7 +309,7 @@ fn of_part(part: &PartFindings) -> String {
 }
 
 /// A distance in mm, of three digits at least.
-fn small(mm: f64) -> String {
+pub(crate) fn small(mm: f64) -> String {
     if mm > 0.0 && mm < 1e-3 { format!("{mm:.2e}") } else { format!("{mm:.6}") }
 }
 
@@ -243,6 +322,7 @@ fn rows(label: &str, faults: &Faults) -> String {
             0 => "some rows".to_string(),
             rows => counted(usize::try_from(*rows).unwrap_or(usize::MAX), "row", "rows"),
         };
+        let count = if label.starts_with("at rest") { format!("{count} missing") } else { count };
         text += &labelled(label, &format!("{count} before {}", place(at).trim_start_matches("at ")));
     }
     let more = faults.places.saturating_sub(SHOWN as u64);

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use anyhow::{Result, bail};
 use domains::Key;
 use domains::machine::{
-    ACCELERATION, AXIS_ACCELERATION, AXIS_JERK, AXIS_VELOCITY, CHORD_ERROR, DEVIATION, FEEDRATE, INCREMENT,
-    JERK, JUNCTION, PERIOD, S_STOPS, VELOCITY_JUMP,
+    ACCELERATION, ASSUMED, AXIS_ACCELERATION, AXIS_JERK, AXIS_VELOCITY, CHORD_ERROR, DEVIATION, FEEDRATE,
+    INCREMENT, JERK, JUNCTION, PERIOD, S_STOPS, VELOCITY_JUMP,
 };
 use foreign_text::in_a_line;
 
@@ -29,6 +29,11 @@ impl Said {
     /// A value that is assumed, and why.
     pub(crate) fn assumed(value: f64, why: &str) -> Self {
         Self { value, why: why.to_string(), is_assumed: true }
+    }
+
+    /// A value that settings give for something else, and that is taken for want of a limit that they state.
+    pub(crate) fn in_place_of(taken: Taken<'_>, more: &str) -> Self {
+        Self { is_assumed: true, ..Self::of(taken, more) }
     }
 }
 
@@ -157,6 +162,7 @@ impl Draft {
         if let Some(why) = &self.passes_spindle {
             word(&mut text, S_STOPS.name, "false", why);
         }
+        assumed(&mut text, &self.values());
         for (axis, letter) in self.axes.iter().zip(["x", "y", "z"]) {
             axis.toml(&mut text, letter);
         }
@@ -176,7 +182,8 @@ impl Axis {
             values.into_iter().filter_map(|(key, said)| Some((key, said.as_ref()?))).collect();
         if !values.is_empty() {
             line(text, &format!("\n[machine.axes.{letter}]"));
-            values.into_iter().for_each(|(key, said)| value(text, key, said));
+            values.iter().for_each(|(key, said)| value(text, key, said));
+            assumed(text, &values);
         }
     }
 }
@@ -186,6 +193,19 @@ fn value(text: &mut String, key: &Key, said: &Said) {
     let assumed = if said.is_assumed { "Assumed: " } else { "" };
     line(text, &format!("# {assumed}{}", in_a_line(&said.why)));
     line(text, &format!("{} = {}", key.name, number(said.value)));
+}
+
+/// The key that names those of a table that are assumed, if there are any.
+fn assumed(text: &mut String, values: &[(&'static Key, &Said)]) {
+    let names: Vec<String> = values
+        .iter()
+        .filter(|(_, said)| said.is_assumed)
+        .map(|(key, _)| format!("\"{}\"", key.name))
+        .collect();
+    if !names.is_empty() {
+        line(text, "# What is assumed above: a plan keeps it, and no log is judged by it.");
+        line(text, &format!("{} = [{}]", ASSUMED.name, names.join(", ")));
+    }
 }
 
 /// A key with a word, and its comment.

@@ -88,11 +88,11 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
             1.0,
             "1 ms, which a 32-bit processor has time for. FluidNC's steps follow the line, not a chord.",
         ),
-        feedrate: Said::of(
+        feedrate: Said::in_place_of(
             feedrate,
-            " mm/min, the lesser of X and Y; taken where a program commands no feed",
+            " mm/min, the lesser of X and Y: each axis has its own limit; taken where a program commands no feed",
         ),
-        acceleration: Said::of(acceleration, ", the lesser of X and Y"),
+        acceleration: Said::in_place_of(acceleration, ", the lesser of X and Y: each axis has its own limit"),
         jerk: assumed_jerk(&settings, "FluidNC", acceleration)?,
         chord_error: Some(chord_error),
         increment: increment(&settings, &steps.into_iter().flatten().collect::<Vec<_>>())?,
@@ -162,7 +162,7 @@ arc_tolerance_mm: 0.004
             (machine.axes.x.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2),
             (Some(50.0), Some(80.0))
         );
-        expect_assumptions(&made, 2);
+        expect_assumptions(&made, 4);
     }
 
     #[test]
@@ -173,7 +173,7 @@ arc_tolerance_mm: 0.004
         );
         let (machine, made) = machine_of("config.yaml", &text);
         assert_eq!((machine.s_stops, machine.junction), (false, Junction::DeviationMm(0.01)));
-        expect_assumptions(&made, 4);
+        expect_assumptions(&made, 6);
         assert_eq!(made.said.len(), 5, "{:?}", made.said);
     }
 }

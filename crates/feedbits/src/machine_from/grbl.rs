@@ -65,11 +65,14 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     };
     Ok(Draft {
         period_ms,
-        feedrate: Said::of(
+        feedrate: Said::in_place_of(
             feedrate,
-            " mm/min, the lesser of X and Y; taken where a program commands no feed",
+            " mm/min, the lesser of X and Y: each axis has its own limit; taken where a program commands no feed",
         ),
-        acceleration: Said::of(acceleration, " mm/s², the lesser of X and Y"),
+        acceleration: Said::in_place_of(
+            acceleration,
+            " mm/s², the lesser of X and Y: each axis has its own limit",
+        ),
         jerk: assumed_jerk(&settings, "Grbl", acceleration)?,
         chord_error: settings
             .scaled(&["$12"], 1.0, &CHORD_ERROR)?
@@ -118,7 +121,7 @@ ok
             (machine.axes.z.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2),
             (Some(10.0), Some(50.0))
         );
-        expect_assumptions(&made, 2);
+        expect_assumptions(&made, 4);
     }
 
     /// grblHAL has settings that Grbl has not, and a laser passes words of the spindle.
@@ -129,6 +132,6 @@ ok
         assert_eq!((machine.interpolation_period_ms, machine.s_stops), (1.0, false));
         // The last of two lines for a setting holds.
         assert_eq!(machine.axes.x.velocity_mm_per_s, Some(120.0));
-        expect_assumptions(&made, 2);
+        expect_assumptions(&made, 4);
     }
 }

@@ -60,20 +60,30 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     let velocities = of_axes(&settings, "MAX_VELOCITY", unit, &AXIS_VELOCITY)?;
     let accelerations = of_axes(&settings, "MAX_ACCELERATION", unit, &AXIS_ACCELERATION)?;
     let jerks = of_axes(&settings, "MAX_JERK", unit, &AXIS_JERK)?;
-    let along = ["TRAJ.MAX_LINEAR_ACCELERATION", "TRAJ.MAX_ACCELERATION", "TRAJ.DEFAULT_LINEAR_ACCELERATION"];
-    let acceleration = match settings.scaled(&along, unit, &ACCELERATION)? {
+    let most = ["TRAJ.MAX_LINEAR_ACCELERATION", "TRAJ.MAX_ACCELERATION"];
+    let most = settings.scaled(&most, unit, &ACCELERATION)?;
+    let taken = settings.scaled(&["TRAJ.DEFAULT_LINEAR_ACCELERATION"], unit, &ACCELERATION)?;
+    let acceleration = match most.or(taken) {
         Some(taken) => taken,
         None => lesser(&settings, &accelerations, "[TRAJ] MAX_LINEAR_ACCELERATION or MAX_ACCELERATION")?,
     };
-    let commanded = [
-        "TRAJ.MAX_LINEAR_VELOCITY",
-        "TRAJ.MAX_VELOCITY",
-        "TRAJ.DEFAULT_LINEAR_VELOCITY",
-        "TRAJ.DEFAULT_VELOCITY",
-    ];
-    let feedrate = match settings.scaled(&commanded, unit, &FEEDRATE)? {
+    let said_acceleration = if most.is_some() {
+        Said::of(acceleration, "")
+    } else {
+        Said::in_place_of(acceleration, ": no limit of the path")
+    };
+    let most = settings.scaled(&["TRAJ.MAX_LINEAR_VELOCITY", "TRAJ.MAX_VELOCITY"], unit, &FEEDRATE)?;
+    let commanded = ["TRAJ.DEFAULT_LINEAR_VELOCITY", "TRAJ.DEFAULT_VELOCITY"];
+    let commanded = settings.scaled(&commanded, unit, &FEEDRATE)?;
+    let feedrate = match most.or(commanded) {
         Some(taken) => taken,
         None => lesser(&settings, &velocities, "[TRAJ] MAX_LINEAR_VELOCITY or DEFAULT_LINEAR_VELOCITY")?,
+    };
+    let why = "; taken where a program commands no feed";
+    let said_feedrate = if most.is_some() {
+        Said::of(feedrate, why)
+    } else {
+        Said::in_place_of(feedrate, &format!(": no limit of the path{why}"))
     };
     let period_ms = match settings.scaled(&["EMCMOT.SERVO_PERIOD"], 1e-6, &PERIOD)? {
         Some(taken) => Said::of(taken, " ns"),
@@ -99,8 +109,8 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     };
     Ok(Draft {
         period_ms,
-        feedrate: Said::of(feedrate, "; taken where a program commands no feed"),
-        acceleration: Said::of(acceleration, ""),
+        feedrate: said_feedrate,
+        acceleration: said_acceleration,
         jerk,
         chord_error: None,
         increment: increment(&settings, &steps_per_mm(&settings, unit)?)?,

@@ -123,8 +123,11 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Draft> {
     };
     Ok(Draft {
         period_ms: Said::assumed(1.0, "1 ms: Marlin has no period. It finds the time of every step."),
-        feedrate: Said::of(feedrate, ", the lesser of X and Y; taken where a program commands no feed"),
-        acceleration: Said::of(acceleration, ""),
+        feedrate: Said::in_place_of(
+            feedrate,
+            ", the lesser of X and Y: each axis has its own limit; taken where a program commands no feed",
+        ),
+        acceleration: Said::in_place_of(acceleration, ": a program may command another by M204"),
         jerk: assumed_jerk(&settings, "Marlin, with S_CURVE_ACCELERATION or without,", acceleration)?,
         chord_error: None,
         increment: increment(&settings, &steps[..2].iter().flatten().copied().collect::<Vec<_>>())?,
@@ -230,7 +233,7 @@ pub(super) mod tests {
             (machine.axes.x.velocity_mm_per_s, machine.axes.z.acceleration_mm_per_s2),
             (Some(200.0), Some(100.0))
         );
-        expect_assumptions(&made, 2);
+        expect_assumptions(&made, 4);
     }
 
     #[test]

@@ -180,7 +180,7 @@ fn test_a_baseline_of_another_question_is_refused() {
 }
 
 /// All keys of an object and of what is in it, but no names that are data: formats, targets, kinds of operation.
-fn keys(value: &Value, into: &mut BTreeSet<String>) {
+pub(crate) fn keys(value: &Value, into: &mut BTreeSet<String>) {
     match value {
         Value::Object(map) => {
             for (key, inner) in map {

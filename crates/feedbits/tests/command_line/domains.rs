@@ -55,7 +55,7 @@ fn ends(key: &Key) -> (Vec<f64>, Vec<f64>) {
             let (least, most) = (f64::from(least), f64::from(most));
             (vec![least, most], vec![least - 1.0, most + 1.0])
         }
-        Value::Word(_) | Value::Truth | Value::Text => (Vec::new(), Vec::new()),
+        Value::Word(_) | Value::Truth | Value::Text | Value::Keys => (Vec::new(), Vec::new()),
     }
 }
 

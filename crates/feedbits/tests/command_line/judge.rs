@@ -1,12 +1,14 @@
 //! `feedbits judge`, as a person or a script uses it.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
 use std::process::{Output, Stdio};
 
 use serde_json::Value;
 
-use crate::command::{command, data, feedbits};
+use crate::baseline::keys;
+use crate::command::{command, data, feedbits, feedbits_in, names};
 use crate::message::unfolded;
 
 fn json(output: &Output) -> Value {
@@ -83,4 +85,146 @@ fn what_cannot_be_judged_is_refused_with_its_place() {
         assert!(said.contains(expected), "{words:?}: {said}");
         assert!(output.stdout.is_empty());
     }
+}
+
+/// X from rest to rest over 40 mm: up at 900 mm/s² to 30 mm/s, and down, without a limit of the jerk. Row 500 is off by `off_mm`.
+fn log_of_x(off_mm: f64) -> String {
+    let (a, v, whole) = (900e-6, 30e-3, 40.0);
+    let ramp = v / a;
+    let total = whole / v + ramp;
+    let way = |t: f64| if t < ramp { a * t * t / 2.0 } else { v * (t - ramp / 2.0) };
+    let place = |t: f64| if t < total / 2.0 { way(t) } else { whole - way((total - t).max(0.0)) };
+    let row = |row: u32| {
+        let x = place(f64::from(row.saturating_sub(5))) + if row == 500 { off_mm } else { 0.0 };
+        format!("{:.3},{x:.6},0.000000\n", 1e-3 * f64::from(row))
+    };
+    (0..1400).map(row).fold(String::from("time,x,y\n"), |text, row| text + &row)
+}
+
+const SETTINGS: &str = "[EMC]\n[EMCMOT]\nSERVO_PERIOD = 1000000\n[TRAJ]\nLINEAR_UNITS = mm\nDEFAULT_LINEAR_VELOCITY = 20\n\
+     MAX_LINEAR_ACCELERATION = 1000\n[AXIS_X]\nMAX_VELOCITY = 40\nMAX_ACCELERATION = 1000\n[AXIS_Y]\nMAX_VELOCITY = 40\n\
+     MAX_ACCELERATION = 1000\n";
+
+/// The settings of a control, which bounds neither the jerk nor the feed of the path, become limits of a log as they are. The plan of such a
+/// file has a jerk and a feed, which are told and not judged.
+#[test]
+fn a_log_is_judged_by_the_settings_of_its_control() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("mill.ini"), SETTINGS).expect("a file");
+    fs::write(folder.path().join("log.csv"), log_of_x(0.0)).expect("a file");
+    let made = feedbits_in(folder.path(), &["machine", "--from", "mill.ini", "--out", "m.toml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", unfolded(&made.stderr));
+    let judged = feedbits_in(folder.path(), &["judge", "log.csv", "--machine", "m.toml"]);
+    let said = unfolded(&judged.stdout);
+    assert_eq!(judged.status.code(), Some(0), "{said}");
+    for what in [
+        "jerk along the path: the machine's file assumes 40000 mm/s³",
+        "feed: the machine's file assumes 20 mm/s",
+    ] {
+        assert!(said.contains(what), "{what}: {said}");
+    }
+    let with =
+        feedbits_in(folder.path(), &["judge", "log.csv", "--machine", "m.toml", "--assumed", "--json"]);
+    assert_eq!(with.status.code(), Some(1));
+    let faults = json(&with)["faults"].clone();
+    assert_eq!(faults, serde_json::json!(["feed is broken", "jerk along the path is broken"]));
+}
+
+#[test]
+fn a_log_that_is_worse_than_the_baseline_has_a_status_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    write("m.toml", "[machine]\n[machine.axes.x]\nvelocity_mm_per_s = 40\nacceleration_mm_per_s2 = 1000\n");
+    write("other.toml", "[machine]\n[machine.axes.x]\nvelocity_mm_per_s = 50\n");
+    write("log.csv", &log_of_x(0.0));
+    write("worse.csv", &log_of_x(4.8e-4));
+    let judge = |log: &str, machine: &str, more: &[&str]| {
+        feedbits_in(folder.path(), &[&["judge", log, "--machine", machine], more].concat())
+    };
+    assert_eq!(judge("log.csv", "m.toml", &["--json", "--out", "before.json"]).status.code(), Some(0));
+    let baseline = ["--baseline", "before.json"];
+    let same = judge("log.csv", "m.toml", &baseline);
+    assert_eq!(same.status.code(), Some(0), "{}", unfolded(&same.stderr));
+    assert!(
+        unfolded(&same.stderr).contains("every figure is at most 1 % worse"),
+        "{}",
+        unfolded(&same.stderr)
+    );
+    // 4.8e-4 mm are 960 mm/s², of a limit of 1000, where the motion takes 900.
+    let worse = judge("worse.csv", "m.toml", &baseline);
+    let said = unfolded(&worse.stderr);
+    assert_eq!(worse.status.code(), Some(3), "{said}");
+    assert!(said.contains("acceleration of X, share of its limit as it is was 0.9"), "{said}");
+    let refused = judge("log.csv", "other.toml", &baseline);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        unfolded(&refused.stderr).contains("before.json was made with axes"),
+        "{}",
+        unfolded(&refused.stderr)
+    );
+    write("part.nc", "G21 G90\nG1 X40 F1800\n");
+    let refused = judge("log.csv", "m.toml", &["--baseline", "before.json", "--part", "part.nc"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        unfolded(&refused.stderr).contains("is of a log without a part"),
+        "{}",
+        unfolded(&refused.stderr)
+    );
+}
+
+#[test]
+fn a_report_has_the_path_and_the_charts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("log.csv"), log_of_x(4e-3)).expect("a file");
+    fs::write(folder.path().join("m.toml"), "[machine]\n[machine.axes.x]\nacceleration_mm_per_s2 = 1000\n")
+        .expect("a file");
+    let judged = feedbits_in(folder.path(), &["judge", "log.csv", "--machine", "m.toml", "--report", "out"]);
+    assert_eq!(judged.status.code(), Some(1), "{}", unfolded(&judged.stderr));
+    assert!(unfolded(&judged.stderr).contains("report in out"), "{}", unfolded(&judged.stderr));
+    let files = [
+        "acceleration.svg",
+        "feed.svg",
+        "index.html",
+        "jerk.svg",
+        "limits.csv",
+        "limits.json",
+        "log-path.svg",
+    ];
+    assert_eq!(names(&folder.path().join("out")), files);
+    let read = |name: &str| fs::read_to_string(folder.path().join("out").join(name)).expect("a file");
+    assert!(read("index.html").contains("acceleration of X is broken"));
+    assert!(read("limits.csv").contains("acceleration of X,1000"), "{}", read("limits.csv"));
+    // The place that takes more than its limit has a colour of its own.
+    assert!(read("log-path.svg").contains("trail v4"), "{}", read("log-path.svg"));
+    let input =
+        feedbits_in(folder.path(), &["judge", "out/feed.svg", "--machine", "m.toml", "--report", "out"]);
+    assert_eq!(input.status.code(), Some(2));
+}
+
+/// The page on JSON has each key that a judged log may have.
+#[test]
+fn the_page_on_json_has_every_key_of_a_judged_log() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    write(
+        "m.toml",
+        "[machine]\n[machine.axes.x]\nacceleration_mm_per_s2 = 900\nassumed = [\"acceleration_mm_per_s2\"]\n[machine.axes.y]\njerk_mm_per_s3 = 9\n",
+    );
+    // Off, with rows twice and missing.
+    let mut rows: Vec<String> = log_of_x(4e-3).lines().map(str::to_string).collect();
+    rows.remove(700);
+    rows.insert(800, rows[800].clone());
+    write("log.csv", &(rows.join("\n") + "\n"));
+    write("part.nc", "G21 G90\nG1 X20 F600\nG1 X20 Y9\nG1 X20 Y0\nG1 X45\n");
+    let words =
+        ["judge", "log.csv", "--machine", "m.toml", "--part", "part.nc", "--tolerance", "0.01", "--json"];
+    let mut found = BTreeSet::new();
+    keys(&json(&feedbits_in(folder.path(), &words)), &mut found);
+    assert!(
+        found.contains("over_feed") && found.contains("skipped") && found.contains("missing_at_rest"),
+        "{found:?}"
+    );
+    let page = include_str!("../../../../docs/json.md");
+    let missing: Vec<_> = found.iter().filter(|key| !page.contains(&format!("`{key}`"))).collect();
+    assert!(missing.is_empty(), "docs/json.md does not have {missing:?}");
 }

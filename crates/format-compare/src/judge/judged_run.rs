@@ -11,7 +11,7 @@ use crate::judge::judgement::{Judge, Judgement};
 use crate::judge::metrics::{Fluctuation, PerPeriod};
 use crate::judge::reference::Reference;
 use crate::judge::requirement::{Findings, Requirement, requirements};
-use crate::judge::stated_limits::{hidden_at_corners_mm, seen_within_mm, stated_limits};
+use crate::judge::stated_limits::{seen_within_mm, stated_limits};
 use crate::judge::tally::Tally;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
@@ -166,7 +166,7 @@ fn findings<const D: usize>(
         corner_error_mm: tally.corner_error_mm,
         position_error_mm: tally.position_error_mm,
         end_error_mm,
-        limits: tally.differences.findings(seen_within_mm, hidden_at_corners_mm(&problem.machine)),
+        limits: tally.differences.findings(seen_within_mm, problem.machine.junction.hidden_at_corners_mm()),
         periods: tally.steps,
         last: tally.last,
     }

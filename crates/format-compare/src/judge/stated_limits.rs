@@ -1,7 +1,7 @@
 //! The limits that a machine states for motions, and how closely setpoints show whether they are kept.
 
 use limit_judge::{Of, StatedLimit};
-use part_program::{Junction, Machine};
+use part_program::Junction;
 
 use crate::problem::problem::Problem;
 use crate::run::run::AboutRun;
@@ -24,17 +24,6 @@ pub(crate) fn stated_limits<const D: usize>(problem: &Problem<D>, share: f64) ->
         Some(StatedLimit { of: Of::Jump(index), order: 0, most: most * t })
     });
     of_path.chain(total).chain(axes).chain(jumps).collect()
-}
-
-/// How far a motion may be from its setpoints in windows that hold a corner, beside what is hidden everywhere, in mm: where corners are
-/// passed as if rounded, the rounding may be that far away. `None` where the velocity may jump there: then no window with a corner is
-/// judged.
-pub(crate) fn hidden_at_corners_mm(machine: &Machine) -> Option<f64> {
-    match machine.junction {
-        Junction::Stop => Some(0.0),
-        Junction::DeviationMm(deviation) => Some(deviation),
-        Junction::VelocityJump => None,
-    }
 }
 
 /// How far a motion may be from the setpoints of a run, in mm: half of their last place, and half of the fluctuation that is allowed in a

@@ -1,5 +1,6 @@
 //! Logs with faults of known size: each is found, and nothing else.
 
+mod corners;
 mod motion;
 mod planted;
 mod refused;

@@ -91,6 +91,22 @@ fn rows_that_are_missing_are_found() {
     }
 }
 
+/// Numbers of samples that are missing while the axes stand are told: what the axes did meanwhile is not in the log.
+#[test]
+fn samples_that_are_missing_at_rest_are_told() {
+    let motion = corner(SOUND, SOUND);
+    let middle = motion.0.iter().position(|(point, _)| point[0] >= 60.0).unwrap() + 4;
+    let mut text = String::from("sample,x,y\n");
+    for (index, ([x, y, _], _)) in motion.0.iter().enumerate() {
+        let number = if index > middle { index + 7 } else { index };
+        text += &format!("{number},{x:.6},{y:.6}\n");
+    }
+    let found = judged(&text, MACHINE, None).unwrap();
+    assert_eq!(found.faults(), [""; 0]);
+    let [(at, count)] = found.missing_at_rest.first[..] else { panic!("{found:?}") };
+    assert_eq!((at.row, count, found.missing_at_rest.places), (middle as u64 + 2, 7, 1));
+}
+
 /// LinuxCNC's sampler says that it was overrun, and not for how long.
 #[test]
 fn a_mark_of_an_overrun_is_found() {
@@ -289,7 +305,7 @@ fn a_junction_deviation_hides_no_limit() {
     let of_part = Some((CORNER, Some(0.1)));
     for part in [None, of_part] {
         let found = judged(&motion.log(6), &machine, part).unwrap();
-        assert_eq!(found.faults()[0], "acceleration of X is broken");
+        assert_eq!(found.faults()[0], "acceleration of X is broken", "{part:?}");
         let limit = found.limits.iter().find(|limit| limit.what == "acceleration of X").unwrap();
         assert!((limit.taken / limit.raw - 1.0).abs() < 0.05 && limit.taken > 2.0, "{limit:?}");
     }

@@ -21,6 +21,9 @@ fn bad_rows_are_refused_with_line_and_column() {
         ("0.498,1e300,0.0,0.0,2", "line 500, column 7: X is 1e300 mm"),
         ("1e300,1.0,0.0,0.0,2", "line 500, column 1: the time is 1e300 s"),
         ("0.498,1.0,0.0,0.0,two", "line 500, column 19: the program's line is `two`"),
+        ("0.498,1.0,0.0,0.0,-3", "line 500, column 19: the program's line is `-3`"),
+        ("0.498,1.0,0.0,0.0,2.5", "line 500, column 19: the program's line is `2.5`"),
+        ("0.498,1.0,0.0,0.0,1e20", "line 500, column 19: the program's line is `1e20`"),
         ("once upon a time", "line 500, column 1: no X"),
     ] {
         let said = said(500, by);
@@ -31,6 +34,31 @@ fn bad_rows_are_refused_with_line_and_column() {
         said(1, "time,speed").starts_with("line 1, column 1: no column is X, Y or Z among `time`, `speed`")
     );
     assert!(said(1, "0,1,2,3,4").contains("no head that names them"));
+}
+
+/// Nobody knows which of two columns of one name is meant.
+#[test]
+fn two_columns_of_one_name_are_refused() {
+    for (head, expected) in [
+        ("time,x,y,X,line", "line 1, column 10: two columns are named `X`, 2 and 4"),
+        ("time,time,x,y,z", "line 1, column 6: two columns are named `time`, 1 and 2"),
+        ("t,positions[1],positions_1,a,b", "line 1, column 16: two columns are named `positions_1`, 2 and 3"),
+    ] {
+        let said = said(1, head);
+        assert!(said.starts_with(expected), "{head}: {said}");
+    }
+    // Of columns that are not taken there may be any number.
+    let text = corner(SOUND, SOUND).log(6).replacen("time,x,y,z,line", "time,x,a,a,a", 1);
+    assert!(judged(&text, MACHINE, None).is_ok());
+}
+
+#[test]
+fn a_number_of_a_setpoint_or_a_length_that_is_none_is_refused() {
+    let said = |text: &str| judged(text, MACHINE, None).map(|_| ()).unwrap_err().to_string();
+    let odd = said("sample,x\n1,0\n2.5,0\n");
+    assert!(odd.starts_with("line 3, column 1: the number of the setpoint is `2.5`"), "{odd}");
+    let negative = said("time,x,chord_mm\n0,0,0\n0.001,0,-1\n");
+    assert!(negative.starts_with("line 3, column 9: the step's length is -1 mm"), "{negative}");
 }
 
 #[test]

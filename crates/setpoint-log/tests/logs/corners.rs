@@ -1,0 +1,161 @@
+//! Setpoints that take corners of a path in full, on machines that may cut some of it there or jump in velocity.
+
+use std::fmt::Write;
+
+use setpoint_log::{JudgedLimit, LimitVerdict};
+
+use crate::motion::{CIRCLE, CORNER, MACHINE, Motion, SOUND, circle, judged, without_jerk};
+
+/// Over the corner of [`CORNER`] at an even velocity, in mm/s, from 5 mm before it to 5 mm behind it.
+fn over_corner(velocity: f64) -> String {
+    let mut text = String::from("x,y\n");
+    let step = 1e-3 * velocity;
+    let mut way = -5.0 + 0.37 * step;
+    while way < 5.0 {
+        let _ = writeln!(text, "{:.9},{:.9}", 60.0 + way.min(0.0), way.max(0.0));
+        way += step;
+    }
+    text
+}
+
+/// The machine of the sound motions with a rule for corners, as keys of `[machine]`, and a line for each of X and Y.
+fn machine(rule: &str, of_axes: &str) -> String {
+    let text = without_jerk().replacen("[machine]", &format!("[machine]\n{rule}"), 1);
+    text.replace("acceleration_mm_per_s2", &format!("{of_axes}\nacceleration_mm_per_s2"))
+}
+
+fn limit(log: &str, machine: &str, has_part: bool, what: &str) -> JudgedLimit {
+    // The log has a tenth of the path.
+    let found = judged(log, machine, has_part.then_some((CORNER, None))).unwrap();
+    found.limits.iter().find(|limit| limit.what == what).unwrap_or_else(|| panic!("{found:?}")).clone()
+}
+
+/// A corner at Δv takes Δv²/(16 δ A) of the acceleration: with δ of 0.01 mm and A of 640 mm/s², 9 mm/s takes 0.79, and 12 mm/s 1.41.
+#[test]
+fn a_corner_is_judged_within_the_deviation_where_the_part_has_it() {
+    let machine = machine("junction = \"deviation\"\njunction_deviation_mm = 0.01", "");
+    for (velocity, with_part, without) in [
+        (9.0, LimitVerdict::KeptWithin, LimitVerdict::BrokenUnlessCorner),
+        (12.0, LimitVerdict::Broken, LimitVerdict::Broken),
+    ] {
+        let log = over_corner(velocity);
+        for axis in ["X", "Y"] {
+            let what = format!("acceleration of {axis}");
+            let found = limit(&log, &machine, true, &what);
+            assert_eq!(found.verdict, with_part, "{velocity}: {found:?}");
+            let expected = velocity * velocity / (16.0 * 0.01 * 640.0);
+            assert!((found.taken / expected - 1.0).abs() < 0.12, "{velocity}: {found:?} {expected}");
+            assert_eq!(limit(&log, &machine, false, &what).verdict, without, "{velocity}");
+        }
+    }
+    // A control that stops at corners has no excuse.
+    let found = limit(&over_corner(9.0), &without_jerk(), true, "acceleration of X");
+    assert_eq!(found.verdict, LimitVerdict::Broken);
+}
+
+/// The same change of velocity where the part has no corner, and the direction no turn, is broken.
+#[test]
+fn a_jump_on_a_straight_line_is_no_corner() {
+    let machine = machine("junction = \"deviation\"\njunction_deviation_mm = 0.01", "");
+    let mut text = String::from("x,y\n");
+    let mut x = 0.0;
+    for row in 0..2000 {
+        let _ = writeln!(text, "{x:.9},0");
+        x += if row < 1000 { 0.009 } else { 0.018 };
+    }
+    for has_part in [false, true] {
+        let found = limit(&text, &machine, has_part, "acceleration of X");
+        assert_eq!(found.verdict, LimitVerdict::Broken, "{has_part}: {found:?}");
+    }
+}
+
+#[test]
+fn a_jump_of_velocity_is_judged_at_the_corners_of_the_part() {
+    let machine = machine("junction = \"velocity-jump\"", "velocity_jump_mm_per_s = 10");
+    for (velocity, verdict) in [(9.0, LimitVerdict::Kept), (12.0, LimitVerdict::Broken)] {
+        let log = over_corner(velocity);
+        let jump = limit(&log, &machine, true, "velocity jump of X");
+        assert_eq!((jump.verdict, jump.axis), (verdict, Some("X")), "{jump:?}");
+        // Less what the path's acceleration changes in half a period.
+        let share = (velocity - 0.5 * 640.0 * 1e-3) / 10.0;
+        assert!((jump.raw - share).abs() < 1e-6, "{jump:?} {share}");
+        assert_eq!(limit(&log, &machine, true, "acceleration of X").verdict, LimitVerdict::Kept);
+    }
+}
+
+/// Chords of 0.05 mm are off a circle of 10 mm by L²/(8 R), and shorter than their arcs by (L/R)²/24; a step that is 2e-4 too long is found.
+#[test]
+fn chord_error_and_fluctuation_are_those_of_the_motion() {
+    let mut motion = circle(true);
+    let sound = judged(&motion.log(12), &without_jerk(), Some((CIRCLE, None))).unwrap();
+    let part = sound.part.unwrap();
+    assert!((part.chord_error.mm / (0.05 * 0.05 / 80.0) - 1.0).abs() < 1e-3, "{:?}", part.chord_error);
+    let fluctuation = part.fluctuation.unwrap();
+    assert!((fluctuation.share / (0.005 * 0.005 / 24.0) - 1.0).abs() < 0.01, "{fluctuation:?}");
+    assert!(fluctuation.steps > 2000, "{fluctuation:?}");
+    motion.0[400].0[0] += 1e-5;
+    let found = judged(&motion.log(12), &without_jerk(), Some((CIRCLE, None))).unwrap();
+    let fluctuation = found.part.unwrap().fluctuation.unwrap();
+    assert!(
+        (fluctuation.share - 1e-5 / 0.05).abs() < 1e-8 && [401, 402].contains(&fluctuation.at.row),
+        "{fluctuation:?}"
+    );
+}
+
+/// Behind a corner sharper than a right angle a setpoint's nearest place is still on the move before it: it was taken for one that passes no
+/// corner, and a run of ours that `compare` calls good broke 42 times its jerk there.
+#[test]
+fn a_corner_that_turns_back_is_passed_in_the_step_that_passes_it() {
+    let machine = machine("junction = \"deviation\"\njunction_deviation_mm = 0.01", "");
+    let jumping = self::machine("junction = \"velocity-jump\"", "velocity_jump_mm_per_s = 10");
+    for degrees in [100.0_f64, 143.0, 170.0, 179.9] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let part = format!("G21 G90\nG1 X60 F3000\nG1 X{:.9} Y{:.9}\n", 60.0 + 10.0 * cos, 10.0 * sin);
+        for phase in [0.05, 0.3, 0.5, 0.8, 0.95] {
+            let mut text = String::from("x,y\n");
+            for row in 0..3000 {
+                let way = 0.004 * (f64::from(row) + phase) - 5.0;
+                let (x, y) = if way < 0.0 { (60.0 + way, 0.0) } else { (60.0 + way * cos, way * sin) };
+                let _ = writeln!(text, "{x:.12},{y:.12}");
+            }
+            let found = judged(&text, &machine, Some((&part, None))).unwrap();
+            assert!(
+                found.faults().iter().all(|fault| !fault.contains("broken")),
+                "{degrees} {phase}: {found:?}"
+            );
+            let limit = found.limits.iter().find(|limit| limit.what == "acceleration of X").unwrap();
+            let expected = (4.0 * (1.0 - cos)).powi(2) / (16.0 * 0.01 * 640.0);
+            assert!((limit.taken / expected - 1.0).abs() < 0.2, "{degrees} {phase}: {limit:?} {expected}");
+            let found = judged(&text, &jumping, Some((&part, None))).unwrap();
+            let jump = found.limits.iter().find(|limit| limit.what == "velocity jump of X").unwrap();
+            let share = (4.0 - 0.5 * 640.0 * 1e-3) * (1.0 - cos) / 10.0;
+            assert!(jump.raw < share * 1.01 && jump.raw > 0.9 * share, "{degrees} {phase}: {jump:?} {share}");
+        }
+    }
+}
+
+/// A log that has the length of each step and leaves rapid moves out, as ours, skips none of the path and does not end early: not before
+/// the first cut, between cuts or behind the last.
+#[test]
+fn rapid_moves_that_a_log_leaves_out_are_no_fault() {
+    let part = "G21 G90\nG0 Z30\nG0 X90 Y90\nG0 X0 Y0\nG0 Z0\nG1 X60 F3000\nG0 Z5\nG0 X0 Y50\nG0 Z0\nG1 X60\nG0 Z30\nG0 X0 Y0\n";
+    let cuts = [[[0.0, 0.0, 0.0], [60.0, 0.0, 0.0]], [[0.0, 50.0, 0.0], [60.0, 50.0, 0.0]]];
+    let mut text = String::from("x,y,z,chord_mm\n");
+    for [from, to] in cuts {
+        let mut before: [f64; 3] = from;
+        for (point, _) in Motion::default().line(from, to, 0, SOUND).0 {
+            let [x, y, z] = point;
+            let _ = writeln!(text, "{x:.9},{y:.9},{z:.9},{:.12}", x - before[0]);
+            before = point;
+        }
+    }
+    let found = judged(&text, MACHINE, Some((part, Some(1e-6)))).unwrap();
+    assert_eq!(found.faults(), [""; 0], "{:?}", found.part);
+    let followed = found.part.unwrap();
+    assert!(followed.skipped.is_empty() && followed.never_visited_mm < 1e-6, "{followed:?}");
+    // A cut that is left out is one.
+    let cut =
+        text.lines().filter(|row| !row.contains(",50.0")).fold(String::new(), |all, row| all + row + "\n");
+    let faults = judged(&cut, MACHINE, Some((part, None))).unwrap().faults();
+    assert!(faults.len() == 1 && faults[0].starts_with("the log ends in line"), "{faults:?}");
+}
