@@ -13,8 +13,8 @@ import tempfile
 from pathlib import Path
 
 from .inputs import (
-    BARE, CURVE, DEVIATION, FINE, INERTIA, KEY_VALUES, MACHINE, NAMES, NEEDS, NEVER_TAKEN, NUMBERS, ONES, OPTION_VALUES, PART, QUICK, READ, SERVO, SLASHED,
-    TARGET, TOO_LONG, TRIGONOMETRIC, WRITTEN, commands, contents, filled, lines_of, samples, special, with_line, with_number, without,
+    BARE, CURVE, DEVIATION, FINE, INERTIA, KEY_VALUES, LOG, MACHINE, NAMES, NEEDS, NEVER_TAKEN, NUMBERS, ONES, OPTION_VALUES, PART, QUICK, READ, SERVO,
+    SETTINGS, SLASHED, TARGET, TOO_LONG, TRIGONOMETRIC, WRITTEN, commands, contents, filled, lines_of, samples, special, with_line, with_number, without,
 )  # fmt: skip
 from .watched_run import LONG_WORD, MARK, STATUSES, Case, is_being_written, words_of
 
@@ -59,7 +59,9 @@ class Program:
     def results(self):
         """Files that commands write of the bare part: to read again, and whose names a report takes."""
         found = {}
-        for line, name, as_name in [("compare --json", "out.json", "compare.json"), ("size --json", "out.json", "size.json"), ("sweep", "out.jsonl", "sweep.jsonl")]:
+        made = {"compare --json": "compare.json", "size --json": "size.json", "judge --json": "judge.json", "sweep": "sweep.jsonl"}
+        for line, as_name in made.items():
+            name = "out." + as_name.split(".")[1]
             found[as_name] = self.ask(commands()[line][0], BARE)[2][name]
         return found
 
@@ -232,7 +234,7 @@ def twists(program, draw, command):
 
 
 def pair_cases(program, draw):
-    names = [name for name in commands() if name not in ("merge", "papers")]
+    names = [name for name in commands() if name not in ("merge", "papers", "zoo", "machine --from")]
     for _ in range(DRAWN_PAIRS):
         name = draw.choice(names)
         words, outputs = commands()[name]
@@ -254,6 +256,11 @@ def readers(program):
         ("--target-file", ["targets", "--target-file"], TARGET.encode(), ()),
         ("--baseline", [*of("compare"), "--baseline"], program.results["compare.json"], ()),
         ("--baseline", [*of("size"), "--baseline"], program.results["size.json"], ()),
+        ("--baseline", [*of("judge"), "--baseline"], program.results["judge.json"], ()),
+        ("log", ["judge", "--machine", "machine.toml"], LOG.encode(), ()),
+        ("--machine", ["judge", "log.csv", "--machine"], MACHINE.encode(), ()),
+        ("--part", ["judge", "log.csv", "--machine", "machine.toml", "--part"], PART, ()),
+        ("--from", ["machine", "--from"], SETTINGS.encode(), ()),
         ("sweeps", ["merge", "--out", "out.jsonl"], program.results["sweep.jsonl"], ("out.jsonl",)),
         ("--out of a sweep", [*without(of("sweep"), ["--out"]), "--out"], program.results["sweep.jsonl"], ("FILE",)),
     ]
@@ -306,7 +313,7 @@ def sweep_cases(program, draw):
 
 def name_cases(program):
     for (what, name), (line, (words, outputs)) in itertools.product(NAMES.items(), commands("PART").items()):
-        if line in ("merge", "papers"):
+        if line in ("merge", "papers", "zoo", "machine --from"):
             continue
         put = [name if word == "PART" else word for word in words]
         yield case("names", f"{line} of a part: {what}", (put, outputs), {**BARE, name: PART}, named=(MARK,))

@@ -75,7 +75,11 @@ low = 1
 typical = 1
 high = 2
 """
+# Rows of a log, every 3 ms, whose axes stand, go and stand.
+LOG = "time,x,y,z,line\n" + "".join(f"{0.003 * row:.3f},{min(max(row - 9, 0), 30) * 0.01:.4f},0,0,2\n" for row in range(60))
+SETTINGS = "$11=0.010\n$100=80\n$101=80\n$110=5000\n$111=5000\n$112=500\n$120=400\n$121=400\n$122=100\n"
 BARE = {"part.nc": PART, "machine.toml": MACHINE.encode(), "target.toml": TARGET.encode(), "servo.toml": SERVO.encode()}
+BARE |= {"log.csv": LOG.encode(), "settings.txt": SETTINGS.encode(), "other.nc": PART.replace(b"Y4", b"Y3")}
 
 MANY_DIGITS = "9" * 10**6
 NUMBERS = ["0", "-1", "-0.0", "5e-324", "1e-320", "1e-300", "1e-9", "1e9", "1e300", "1.7976931348623157e308", "4294967296"]
@@ -148,6 +152,12 @@ def commands(part="part.nc", machine="machine.toml"):
         "smooth --json": ([*smoothed, "--json"], ()),
         "merge": (["merge", "sweep.jsonl", "--out", "out.jsonl", "--report", "out"], ("out.jsonl", "out")),
         "papers": (["papers", "--contour"], ()),
+        "judge": (["judge", "log.csv", "--machine", machine, "--part", part], ()),
+        "judge --json": (["judge", "log.csv", "--machine", machine, "--part", part, "--json", "--out", "out.json"], ("out.json",)),
+        "zoo": (["zoo"], ()),
+        "machine --from": (["machine", "--from", "settings.txt", "--out", "out.toml"], ("out.toml",)),
+        "compare a set": (["compare", part, "other.nc", "--machine", machine, *small], ()),
+        "size a set": (["size", part, "other.nc", "--machine", machine, "--json", "--out", "out.json"], ("out.json",)),
     }
 
 
@@ -162,6 +172,7 @@ NEEDS = {
     "plan --oversample": ("plan --out", []),
     "compare --worse-by": ("compare", ["--baseline", "compare.json"]),
     "size --worse-by": ("size", ["--baseline", "size.json"]),
+    "judge --worse-by": ("judge", ["--baseline", "judge.json"]),
     "convert --corner": ("convert --fit", []),
     "convert --fit": ("convert --fit", []),
     "convert --ratios": ("convert --to g06.2", []),
