@@ -158,9 +158,9 @@ impl Judge<'_> {
             }
             Event::LeftOut { row } => {
                 self.left_out += 1;
+                self.end_section(true, r_mm);
                 let way_mm = self.last_point.map_or(0.0, |from| distance(&from, &row.point_mm));
                 self.unseen_mm = 10.0 + 3.0 * way_mm;
-                self.end_section(true, r_mm);
             }
             Event::Stood { row, count } => {
                 let at = self.place_of(&row);

@@ -153,6 +153,8 @@ fn rapid_moves_that_a_log_leaves_out_are_no_fault() {
     assert_eq!(found.faults(), [""; 0], "{:?}", found.part);
     let followed = found.part.unwrap();
     assert!(followed.skipped.is_empty() && followed.never_visited_mm < 1e-6, "{followed:?}");
+    // The way over what is left out is no step at a feed.
+    assert!(found.left_out == 1 && followed.over_feed.is_empty(), "{followed:?}");
     // A cut that is left out is one.
     let cut =
         text.lines().filter(|row| !row.contains(",50.0")).fold(String::new(), |all, row| all + row + "\n");
