@@ -3,7 +3,6 @@
 //! The JSON of an earlier run is the baseline. Figures of which less is better are compared one by one, and a format
 //! that was good must still be. A part is known by its text and a machine by its values, whatever their names.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -13,6 +12,7 @@ use format_compare::{Engine, Machine};
 use serde::Serialize;
 use serde_json::{Value, json};
 use target_cost::Target;
+use worse_figures::Figures;
 
 use crate::ending::Ending;
 use crate::input::Text;
@@ -27,9 +27,6 @@ const OF_SET: &str = "-set";
 
 /// The largest result of an earlier set, which has that of each of its parts.
 const MOST_OF_SET: usize = 1 << 30;
-
-/// What a limit is divided by: a figure below this share of its limit counts as this share of it.
-const NEGLIGIBLE: f64 = 1e-3;
 
 /// The JSON of a command's result, with the version of its keys.
 #[derive(Serialize)]
@@ -134,38 +131,8 @@ fn expect_part(part: &Text, result: &Value, path: &Path) -> Result<()> {
     }
 }
 
-/// A figure of which less is better.
-#[derive(Clone, Copy)]
-struct Figure {
-    value: f64,
-    /// The largest value that is good, or 0 if there is none.
-    limit: f64,
-}
-
 /// The words for a verdict, from the best to the worst, as JSON has them.
 const VERDICTS: [&str; 3] = ["good", "bad", "refused"];
-
-/// The end of the name of a verdict's figure, which is the place in [`VERDICTS`].
-const VERDICT: &str = "verdict";
-
-impl Figure {
-    fn is_worse_than(self, before: Self, share: f64) -> bool {
-        self.value > before.value + share * before.value.max(NEGLIGIBLE * before.limit)
-    }
-
-    /// The figure for a person.
-    fn shown(self, name: &str) -> String {
-        let verdict = |at: f64| VERDICTS.iter().zip([0.0, 1.0, 2.0]).find(|(_, place)| *place == at);
-        match self.value {
-            place if name.ends_with(VERDICT) => {
-                verdict(place).map_or("unknown", |(word, _)| word).to_string()
-            }
-            0.0 => "0".to_string(),
-            value if (1e-3..1e6).contains(&value.abs()) => format!("{value}"),
-            value => format!("{value:.3e}"),
-        }
-    }
-}
 
 impl Baseline {
     /// Says which figures of `result` are worse than those of the baseline. A good ending is [`Ending::WorseThanBaseline`] if one is.
@@ -225,88 +192,84 @@ pub(crate) fn differing_key<'v>(old: &'v Value, new: &'v Value) -> Option<(&'v S
 
 /// The figures of a result that are worse by more than this share than those of an earlier one, each in words.
 pub(crate) fn worse_figures(before: &Value, now: &Value, share: f64) -> Vec<String> {
-    let (before, now) = (figures(before), figures(now));
-    let compared = |(name, old): (&String, &Figure)| match now.get(name) {
-        None => Some(format!("{name} was {}, and is missing", old.shown(name))),
-        Some(new) if new.is_worse_than(*old, share) => {
-            Some(format!("{name} was {}, and is {}", old.shown(name), new.shown(name)))
-        }
-        Some(_) => None,
-    };
-    before.iter().filter_map(compared).collect()
+    figures(now).worse_than(&figures(before), share)
 }
 
 /// The names of figures of a result that an earlier one has not.
 pub(crate) fn new_figures(before: &Value, now: &Value) -> Vec<String> {
-    let before = figures(before);
-    figures(now).into_keys().filter(|name| !before.contains_key(name)).collect()
+    figures(now).new_since(&figures(before))
 }
 
-/// The figures of a judged log, each with its name, its value and its limit.
-fn figures_of_log(result: &Value) -> Vec<(String, f64, f64)> {
-    let mut figures = Vec::new();
+/// The figures of a judged log.
+fn figures_of_log(result: &Value) -> Figures {
+    let mut figures = Figures::default();
     let judged =
         result["limits"].as_array().into_iter().flatten().filter(|one| one["verdict"] != "not_judged");
     for limit in judged {
         let what = limit["what"].as_str().unwrap_or_default();
         for (key, how) in [("raw", "as it is"), ("taken", "at least")] {
-            figures.extend(
-                limit[key].as_f64().map(|share| (format!("{what}, share of its limit {how}"), share, 1.0)),
-            );
+            if let Some(share) = limit[key].as_f64() {
+                figures.add(format!("{what}, share of its limit {how}"), share, 1.0);
+            }
         }
     }
-    let mut add = |name: &str, value: &Value, limit: f64| {
-        figures.extend(value.as_f64().map(|value| (name.to_string(), value, limit)));
+    let mut add = |name: &str, value: &Value, least: f64| {
+        if let Some(value) = value.as_f64() {
+            figures.add_from(name.to_string(), value, least);
+        }
     };
     add("rows that are there twice", &result["doubled"]["rows"], 0.0);
     add("rows that are missing", &result["missing"]["rows"], 0.0);
     add("places with missing rows", &result["missing"]["places"], 0.0);
     let part = &result["part"];
     // Distances below the resolution are none.
-    let least = result["resolution_mm"].as_f64().unwrap_or(0.0) / NEGLIGIBLE;
+    let least = result["resolution_mm"].as_f64().unwrap_or(0.0);
     add("distance from the path in mm", &part["nearest"]["mm"], least);
     add("distance of rapid moves from the path in mm", &part["nearest_rapid"]["mm"], least);
     add("distance in order in mm", &part["order_mm"], least);
     add("distance of the path from the log in mm", &part["path_to_log_mm"], least);
     add("chord error in mm", &part["chord_error"]["mm"], least);
     add("path not visited in mm", &part["never_visited_mm"], least);
-    let hidden = part["fluctuation"]["hidden"].as_f64().unwrap_or(0.0) / NEGLIGIBLE;
+    let hidden = part["fluctuation"]["hidden"].as_f64().unwrap_or(0.0);
     add("fluctuation at cruise", &part["fluctuation"]["share"], hidden);
-    let over = part["over_feed"].as_array().map(Vec::len);
-    figures.extend(over.map(|count| ("lines above their feed".to_string(), count as f64, 0.0)));
+    if let Some(over) = part["over_feed"].as_array() {
+        figures.add("lines above their feed".to_string(), over.len() as f64, 0.0);
+    }
     figures
 }
 
 /// The figures of a result, by their names.
-fn figures(result: &Value) -> BTreeMap<String, Figure> {
+fn figures(result: &Value) -> Figures {
     if result["command"] == "judge" {
-        let of_log = figures_of_log(result).into_iter();
-        return of_log.map(|(name, value, limit)| (name, Figure { value, limit })).collect();
+        return figures_of_log(result);
     }
-    let mut figures = BTreeMap::new();
-    let mut add = |name: String, value: &Value, limit: &Value| {
+    let mut figures = Figures::default();
+    let add = |figures: &mut Figures, name: String, value: &Value, limit: &Value| {
         if let Some(value) = value.as_f64() {
-            figures.insert(name, Figure { value, limit: limit.as_f64().unwrap_or(0.0) });
+            figures.add(name, value, limit.as_f64().unwrap_or(0.0));
         }
     };
     let no_limit = &Value::Null;
-    add("planned time in s".into(), &result["part"]["planned_time_s"], no_limit);
-    add("fewest bits".into(), &result["fewest_bits"]["bits"], no_limit);
-    add("bits in one format".into(), &result["uniform"]["bits"], no_limit);
-    add("bits of all registers".into(), &result["mixed"]["bits"], no_limit);
+    for (name, [of, key]) in [
+        ("planned time in s", ["part", "planned_time_s"]),
+        ("fewest bits", ["fewest_bits", "bits"]),
+        ("bits in one format", ["uniform", "bits"]),
+        ("bits of all registers", ["mixed", "bits"]),
+    ] {
+        add(&mut figures, name.to_string(), &result[of][key], no_limit);
+    }
     for run in result["formats"].as_array().into_iter().flatten() {
         let text = |key: &str| run[key].as_str().unwrap_or_default();
         let of = |what: &str| format!("{} {}: {what}", text("format"), text("engine"));
-        let verdict = VERDICTS.iter().position(|word| run["verdict"]["result"] == **word);
-        add(of(VERDICT), &verdict.into(), no_limit);
-        add(of("evaluations of a step"), &run["evaluations"]["max"], no_limit);
-        add(of("periods"), &run["periods"], no_limit);
+        figures.add_word(of("verdict"), run["verdict"]["result"].as_str().unwrap_or_default(), &VERDICTS);
+        add(&mut figures, of("evaluations of a step"), &run["evaluations"]["max"], no_limit);
+        add(&mut figures, of("periods"), &run["periods"], no_limit);
         for requirement in run["requirements"].as_array().into_iter().flatten() {
             let what = requirement["what"].as_str().unwrap_or_default();
-            add(of(what), &requirement["found"], &requirement["limit"]);
+            add(&mut figures, of(what), &requirement["found"], &requirement["limit"]);
         }
         for (target, cost) in run["cycles"].as_object().into_iter().flatten() {
-            add(of(&format!("dearest period on {target}")), &cost["max"], no_limit);
+            add(&mut figures, of(&format!("dearest period on {target}")), &cost["max"], no_limit);
         }
     }
     figures

@@ -114,16 +114,21 @@ pub(crate) fn run<K: Kernel, R: Backend>(case: &Case<'_, K>, observer: &mut dyn 
         panic::catch_unwind(AssertUnwindSafe(|| kernel.run(&mut Steps::new(&mut bench))))
     });
     let Bench { step, is_running, ended, .. } = bench;
-    ended.unwrap_or_else(|| match result {
-        Err(payload) => Ended::Panicked { step, message: message(payload.as_ref()) },
-        Ok(()) if step == steps && !is_running => Ended::Finished,
-        Ok(()) => Ended::Early { step },
-    })
+    match (ended, result) {
+        // A panic may follow from what ended the run before; not so from its last step.
+        (None | Some(Ended::Finished), Err(payload)) => {
+            Ended::Panicked { step, message: message(payload.as_ref()) }
+        }
+        (Some(ended), _) => ended,
+        (None, Ok(())) if step == steps && !is_running => Ended::Finished,
+        (None, Ok(())) => Ended::Early { step },
+    }
 }
 
 fn message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(ToString::to_string);
-    let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
+    let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
+    let text = text.unwrap_or_else(|| "what it panics with is no text".to_string());
     text.chars().take(200).collect()
 }
 

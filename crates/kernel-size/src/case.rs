@@ -1,5 +1,8 @@
 //! A kernel with its inputs and outputs, checked once for all its runs.
 
+use real::FormatName;
+
+use crate::formats::named;
 use crate::input::Input;
 use crate::kernel::Kernel;
 use crate::output::{Output, Requirement};
@@ -14,12 +17,20 @@ pub(crate) struct Case<'k, K> {
 }
 
 impl<'k, K: Kernel> Case<'k, K> {
-    pub(crate) fn of(kernel: &'k K) -> Result<Self, Refusal> {
+    /// The kernel, to be run in these formats.
+    pub(crate) fn of(kernel: &'k K, formats: &[FormatName]) -> Result<Self, Refusal> {
+        let unknown = formats.iter().map(ToString::to_string).find(|format| named(format).is_none());
+        if let Some(unknown) = unknown {
+            return Err(Refusal::Format(unknown));
+        }
         let steps = kernel.steps();
         if !(1..=MOST_STEPS).contains(&steps) {
             return Err(Refusal::Steps(steps));
         }
         let (inputs, outputs) = (kernel.inputs()?, kernel.outputs());
+        if outputs.is_empty() {
+            return Err(Refusal::NoOutput);
+        }
         let input = |one: &Input| (format!("input {}", one.name), one.values.len());
         let truth = |one: &Output| {
             Some((format!("the right course of output {}", one.name), one.truth.as_ref()?.len()))

@@ -2,16 +2,16 @@
 
 use std::fmt;
 
+use feed_plan::in_parallel;
 use real::FormatName;
 use serde::Serialize;
 
 use crate::case::Case;
 use crate::kernel::Kernel;
-use crate::parallel::in_parallel;
 use crate::reference::{Reference, ReferenceFound};
 use crate::refusal::Refusal;
 use crate::run::{FormatRun, judged};
-use crate::table::{self, exact, short};
+use crate::table::{self, short};
 
 /// A kernel's runs in several formats.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -36,11 +36,7 @@ pub struct Comparison {
 /// [`Refusal`] if the kernel's inputs or requirements are wrong, if a format is none that [`named`](crate::named) knows, or
 /// if the reference does not finish though an output needs it.
 pub fn compare<K: Kernel>(kernel: &K, formats: &[FormatName]) -> Result<Comparison, Refusal> {
-    let unknown = formats.iter().find(|format| crate::formats::named(&format.to_string()).is_none());
-    if let Some(unknown) = unknown {
-        return Err(Refusal::Format(unknown.to_string()));
-    }
-    let case = Case::of(kernel)?;
+    let case = Case::of(kernel, formats)?;
     let reference = Reference::of(&case)?;
     let runs = in_parallel(formats, |format| judged(&case, &reference, *format));
     let rank = |run: &FormatRun| (run.bits, u32::from(run.format.starts_with('f')), run.used());
@@ -91,7 +87,12 @@ impl fmt::Display for Comparison {
         let header = ["format", "bits", "verdict", "worst error", "of output, at step", "first bad step"];
         writeln!(f, "{}: {} steps, judged by double-double", self.kernel, self.steps)?;
         f.write_str(&table::table(&header, &self.formats.iter().map(row).collect::<Vec<_>>()))?;
-        self.formats.iter().try_for_each(|run| details(f, run))?;
+        for run in &self.formats {
+            run.remarks().iter().try_for_each(|remark| writeln!(f, "{}: {remark}", run.format))?;
+        }
+        if self.reference.ended.step().is_some() {
+            writeln!(f, "double-double: {}", self.reference.ended)?;
+        }
         match &self.recommended {
             Some(format) => writeln!(f, "{format} is the narrowest of them that is good."),
             None if self.not_a_question_of_format => {
@@ -99,39 +100,5 @@ impl fmt::Display for Comparison {
             }
             None => writeln!(f, "None of them is good."),
         }
-    }
-}
-
-/// What of a run a table has no room for.
-fn details(f: &mut fmt::Formatter<'_>, run: &FormatRun) -> fmt::Result {
-    let format = &run.format;
-    if run.ended.step().is_some() {
-        writeln!(f, "{format}: {}", run.ended)?;
-    }
-    if let Some(lost) = &run.overflows {
-        let before = lost.first_signal.map_or_else(String::new, |signal| format!(", before or at {signal}"));
-        let counted = |count: u64, one: &str, others: &str| match count {
-            0 => None,
-            1 => Some(format!("1 {one}")),
-            _ => Some(format!("{count} {others}")),
-        };
-        let kinds = [
-            counted(lost.count, "overflow", "overflows"),
-            counted(lost.divisions_by_zero, "division by zero", "divisions by zero"),
-        ];
-        let kinds = kinds.into_iter().flatten().collect::<Vec<_>>().join(" and ");
-        writeln!(f, "{format}: {kinds}, first in step {}{before}", lost.first_step)?;
-    }
-    let Some(other) = &run.divergence else { return Ok(()) };
-    let [left, right] = other.compared.map(exact);
-    let signal = other.signal.map_or_else(String::new, |signal| format!(" at {signal}"));
-    write!(
-        f,
-        "{format}: goes another way than the reference in step {}{signal}: {left} and {right}",
-        other.step
-    )?;
-    match other.in_reference.map(|pair| pair.map(exact)) {
-        Some([left, right]) => writeln!(f, ", in the reference {left} and {right}"),
-        None => writeln!(f),
     }
 }

@@ -45,6 +45,10 @@ pub struct OutputFound {
     pub worst_step: usize,
     /// The requirements, in their order.
     pub requirements: Vec<Required>,
+    /// The course of the error, for a picture: the step and the size of the largest in each of at most a thousand stretches of
+    /// steps. It is no part of JSON.
+    #[serde(skip)]
+    pub course: Vec<(usize, f64)>,
 }
 
 impl OutputFound {
@@ -54,6 +58,9 @@ impl OutputFound {
         self.requirements.iter().filter_map(|one| one.first_broken).min()
     }
 }
+
+/// Stretches of steps in the course of an error, at most.
+const MOST_STRETCHES: usize = 1000;
 
 /// Judges the outputs of a run.
 pub(crate) struct Judge<'a> {
@@ -73,6 +80,7 @@ impl<'a> Judge<'a> {
             worst_error: 0.0,
             worst_step: 0,
             requirements: output.requirements.iter().map(nothing_found).collect(),
+            course: Vec::new(),
         };
         let found = outputs.iter().map(found).collect();
         Self { outputs, reference, steps, found, sums: vec![[0.0; 2]; outputs.len()] }
@@ -82,7 +90,7 @@ impl<'a> Judge<'a> {
     pub(crate) fn note(&mut self, step: usize, values: impl Iterator<Item = Pair>) -> bool {
         let mut is_broken = false;
         let tenth = self.steps.div_ceil(10);
-        let count = self.outputs.len();
+        let (count, stretch) = (self.outputs.len(), step / self.steps.div_ceil(MOST_STRETCHES));
         for (place, (value, output)) in values.zip(self.outputs).enumerate() {
             let right = match &output.truth {
                 Some(truth) => (truth[step], 0.0),
@@ -92,6 +100,11 @@ impl<'a> Judge<'a> {
             let (found, sums) = (&mut self.found[place], &mut self.sums[place]);
             if error.abs() > found.worst_error {
                 (found.worst_error, found.worst_step) = (error.abs(), step);
+            }
+            match found.course.get_mut(stretch) {
+                None => found.course.push((step, error.abs())),
+                Some(largest) if error.abs() > largest.1 => *largest = (step, error.abs()),
+                Some(_) => {}
             }
             sums[0] += if step < tenth { error } else { 0.0 };
             sums[1] += if step + tenth >= self.steps { error } else { 0.0 };

@@ -47,8 +47,10 @@
 //! | how few bits are enough, for all signals alike and for each of its own? | [`size`] |
 //! | which types have the registers in VHDL, C++, MATLAB, Rust or C? | [`Sizing::types`] |
 //! | what does a step cost on a processor or an FPGA? | [`price`] |
+//! | is a format worse than it was? | [`Baseline`] |
 //! | which bits must another implementation make? | [`vectors`] |
 
+mod baseline;
 mod bench;
 mod case;
 mod compare;
@@ -58,7 +60,6 @@ mod input;
 mod judge;
 mod kernel;
 mod output;
-mod parallel;
 mod price;
 mod reference;
 mod refusal;
@@ -68,8 +69,10 @@ mod size;
 mod steps;
 mod table;
 mod types;
+mod until_bad;
 mod vectors;
 
+pub use baseline::{Baseline, Since};
 pub use compare::{Comparison, compare};
 pub use ended::Ended;
 pub use formats::{built_in, named};

@@ -10,7 +10,7 @@ use target_cost::{Cost, RecordedRun, Target, cost, operations};
 use crate::bench::{Observer, run};
 use crate::case::Case;
 use crate::ended::Ended;
-use crate::formats::{in_format, named};
+use crate::formats::in_format;
 use crate::kernel::Kernel;
 use crate::refusal::Refusal;
 
@@ -41,10 +41,7 @@ pub fn price<K: Kernel>(
     targets: &[Target],
     period_s: Option<f64>,
 ) -> Result<StepPrice, Refusal> {
-    if named(&format.to_string()).is_none() {
-        return Err(Refusal::Format(format.to_string()));
-    }
-    let case = Case::of(kernel)?;
+    let case = Case::of(kernel, &[format])?;
     let (ended, recorded) = in_format(format, Recording { case: &case });
     if !matches!(ended, Ended::Finished | Ended::Enough) {
         return Err(Refusal::Run(format.to_string(), ended));

@@ -26,10 +26,14 @@ pub enum Refusal {
     Requirement(&'static str),
     /// Two inputs or two outputs have the same name.
     TwiceNamed(&'static str),
+    /// The kernel has no output.
+    NoOutput,
     /// The run in double-double did not end as it must.
     Reference(Ended),
     /// A format that is not known.
     Format(String),
+    /// What is wrong with an earlier comparison.
+    Baseline(String),
     /// The kernel cannot be run in the format.
     Run(String, Ended),
 }
@@ -50,11 +54,13 @@ impl fmt::Display for Refusal {
                 "output {output}: expected at least one requirement, and limits that are finite and not below 0"
             ),
             Self::TwiceNamed(name) => write!(f, "{name} is named twice: expected a name of its own for each"),
+            Self::NoOutput => f.write_str("no output: expected at least one"),
             Self::Reference(ended) => write!(f, "in double-double, which is the reference, {ended}"),
             Self::Format(name) => write!(
                 f,
                 "unknown format {name:?}: expected f32, f64, or fixed point of 3 to 64 bits as I5F13, with at least 2 before the point"
             ),
+            Self::Baseline(what) => write!(f, "the baseline: {what}"),
             Self::Run(format, ended) => write!(f, "in {format} {ended}"),
         }
     }

@@ -6,17 +6,17 @@
 //! every requirement is met, until no single bit can go.
 
 use std::cell::Cell;
-use std::ops::ControlFlow;
 
 use real::{Audit, Audited, Backend, Datapath, FormatName, Quantized};
 use serde::Serialize;
 
-use crate::bench::{Observer, run};
+use crate::bench::run;
 use crate::case::Case;
 use crate::ended::Ended;
-use crate::judge::{Judge, OutputFound};
+use crate::judge::OutputFound;
 use crate::kernel::Kernel;
 use crate::reference::Reference;
+use crate::until_bad::UntilBad;
 
 /// A register for each signal.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -56,18 +56,6 @@ pub(crate) struct Search<'a, 'k, K> {
     pub(crate) reference: &'a Reference,
     pub(crate) datapath: Datapath,
     pub(crate) runs: &'a Cell<usize>,
-}
-
-struct Judging<'a> {
-    judge: Judge<'a>,
-    is_broken: bool,
-}
-
-impl<R: Backend> Observer<R> for Judging<'_> {
-    fn ends(&mut self, step: usize, outputs: &[R]) -> ControlFlow<()> {
-        self.is_broken |= self.judge.note(step, outputs.iter().map(|number| number.to_f64_pair()));
-        if self.is_broken { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
 }
 
 impl<K: Kernel> Search<'_, '_, K> {
@@ -111,14 +99,10 @@ impl<K: Kernel> Search<'_, '_, K> {
     /// The outputs of the run in these registers, if it meets every requirement.
     fn run<R: Backend>(&self, registers: &[(&'static str, i32)]) -> Option<Vec<OutputFound>> {
         self.runs.set(self.runs.get() + 1);
-        let judge = Judge::new(&self.case.outputs, &self.reference.outputs, self.case.steps);
-        let mut judging = Judging { judge, is_broken: false };
-        let run = || run::<K, R>(self.case, &mut judging);
-        if Quantized::run(self.datapath.rounding, registers, run) != Ended::Finished {
-            return None;
-        }
-        let outputs = judging.judge.finished();
-        outputs.iter().all(|output| output.first_broken().is_none()).then_some(outputs)
+        let mut until_bad = UntilBad::of(self.case, self.reference, || false);
+        let run = || run::<K, R>(self.case, &mut until_bad);
+        let ended = Quantized::run(self.datapath.rounding, registers, run);
+        (ended == Ended::Finished).then(|| until_bad.good())?
     }
 
     fn confirmed(&self, bits: &[(&'static str, i32)], width: u32) -> Option<Registers> {

@@ -1,5 +1,6 @@
 //! A kernel's run in one format, judged.
 
+use std::fmt;
 use std::ops::ControlFlow;
 
 use real::{Audit, Audited, Backend, FormatName, Watch, Watched, Watching, Work};
@@ -12,6 +13,7 @@ use crate::formats::in_format;
 use crate::judge::{Judge, OutputFound};
 use crate::kernel::Kernel;
 use crate::reference::Reference;
+use crate::table::exact;
 
 /// A run in one format.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,6 +36,9 @@ pub struct FormatRun {
     pub divergence: Option<Divergence>,
     /// The range of each named signal, in the order of names.
     pub signals: Vec<SignalFound>,
+    /// Everything that the audit of the run saw, for a picture of the signals. It is no part of JSON.
+    #[serde(skip)]
+    pub audit: Audit,
 }
 
 /// Numbers that a run lost.
@@ -81,6 +86,43 @@ impl FormatRun {
     pub fn used(&self) -> f64 {
         let all = self.outputs.iter().flat_map(|output| &output.requirements);
         all.map(|one| one.used()).fold(0.0, f64::max)
+    }
+
+    /// What happened in the run besides errors, each in a sentence: its end, lost numbers, and the other way that it went.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let end = self.ended.step().map(|_| self.ended.to_string());
+        let lost = self.overflows.as_ref().map(ToString::to_string);
+        let other = self.divergence.as_ref().map(ToString::to_string);
+        [end, lost, other].into_iter().flatten().collect()
+    }
+}
+
+impl fmt::Display for Overflows {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counted = |count: u64, one: &str, others: &str| match count {
+            0 => None,
+            1 => Some(format!("1 {one}")),
+            _ => Some(format!("{count} {others}")),
+        };
+        let kinds = [
+            counted(self.count, "overflow", "overflows"),
+            counted(self.divisions_by_zero, "division by zero", "divisions by zero"),
+        ];
+        let kinds = kinds.into_iter().flatten().collect::<Vec<_>>().join(" and ");
+        write!(f, "{kinds}, first in step {}", self.first_step)?;
+        self.first_signal.map_or(Ok(()), |signal| write!(f, ", before or at {signal}"))
+    }
+}
+
+impl fmt::Display for Divergence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let signal = self.signal.map_or_else(String::new, |signal| format!(" at {signal}"));
+        let [left, right] = self.compared.map(exact);
+        write!(f, "goes another way than the reference in step {}{signal}: {left} and {right}", self.step)?;
+        let Some(pair) = self.in_reference else { return Ok(()) };
+        let [left, right] = pair.map(exact);
+        write!(f, ", in the reference {left} and {right}")
     }
 }
 
@@ -160,6 +202,7 @@ impl<K: Kernel> Work for Judged<'_, '_, K> {
                 }
             }),
             signals: audit.signals.iter().map(signal).collect(),
+            audit,
         }
     }
 }

@@ -11,23 +11,23 @@
 
 use std::cell::Cell;
 use std::fmt;
-use std::ops::{ControlFlow, RangeInclusive};
+use std::ops::RangeInclusive;
 use std::thread;
 
-use real::{Backend, Datapath, FormatName, RuntimeFixed, RuntimeFormat, Watch, Watched, Watching};
+use feed_plan::in_parallel;
+use real::{Datapath, FormatName, RuntimeFixed, RuntimeFormat, Watch, Watched, Watching};
 use serde::Serialize;
 
-use crate::bench::{Observer, run};
+use crate::bench::run;
 use crate::case::Case;
 use crate::ended::Ended;
-use crate::judge::Judge;
 use crate::kernel::Kernel;
-use crate::parallel::in_parallel;
 use crate::reference::Reference;
 use crate::refusal::Refusal;
 use crate::registers::{Register, Registers, Search};
 use crate::run::{FormatRun, judged};
 use crate::table::{self, short};
+use crate::until_bad::UntilBad;
 
 /// Widths that are tried, in bits.
 const WIDTHS: RangeInclusive<u32> = 12..=48;
@@ -60,7 +60,7 @@ pub struct Sizing {
 /// # Errors
 /// As [`compare`](crate::compare()).
 pub fn size_in<K: Kernel>(kernel: &K, datapath: Datapath) -> Result<Sizing, Refusal> {
-    let case = Case::of(kernel)?;
+    let case = Case::of(kernel, &[])?;
     let reference = Reference::of(&case)?;
     let runs = Cell::new(0);
     let trials = Trials { case: &case, reference: &reference, datapath };
@@ -109,22 +109,6 @@ struct Wide {
     asked_for_bounds: bool,
 }
 
-/// Judges the steps of a run until it is known to be bad, or to need too many bits.
-struct UntilBad<'a> {
-    judge: Judge<'a>,
-    fraction_bits: u32,
-    most_integer_bits: u32,
-    is_bad: bool,
-}
-
-impl<R: Backend> Observer<R> for UntilBad<'_> {
-    fn ends(&mut self, step: usize, outputs: &[R]) -> ControlFlow<()> {
-        self.is_bad |= self.judge.note(step, outputs.iter().map(|number| number.to_f64_pair()))
-            || Watch::integer_bits_so_far(self.fraction_bits) > self.most_integer_bits;
-        if self.is_bad { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
 impl<K: Kernel> Trials<'_, '_, K> {
     fn format(&self, width: u32, fraction_bits: u32) -> FormatName {
         let integer_bits = width.saturating_sub(fraction_bits);
@@ -171,10 +155,10 @@ impl<K: Kernel> Trials<'_, '_, K> {
     /// The run at 64 bits with these fraction bits. Formats wider than `narrowest` are of no interest.
     fn wide(&self, fraction_bits: u32, narrowest: u32) -> Wide {
         let Datapath { rounding, overflow } = self.datapath;
-        let judge = Judge::new(&self.case.outputs, &self.reference.outputs, self.case.steps);
         // One more than fits, for what lies on the edge.
         let most_integer_bits = narrowest - fraction_bits + 1;
-        let mut until_bad = UntilBad { judge, fraction_bits, most_integer_bits, is_bad: false };
+        let is_too_wide = || Watch::integer_bits_so_far(fraction_bits) > most_integer_bits;
+        let mut until_bad = UntilBad::of(self.case, self.reference, is_too_wide);
         let run = || run::<K, Watched<RuntimeFixed<0>>>(self.case, &mut until_bad);
         let watched = || Watch::of(Watching::Nothing, run);
         let in_format = RuntimeFormat::new(WIDE, fraction_bits, rounding, overflow);
@@ -188,11 +172,10 @@ impl<K: Kernel> Trials<'_, '_, K> {
             };
         };
         let integer_bits = watch.integer_bits(fraction_bits);
-        let met = || until_bad.judge.finished().iter().all(|output| output.first_broken().is_none());
         let edge = 1_i64.checked_shl((integer_bits + fraction_bits).saturating_sub(2));
         Wide {
             fraction_bits,
-            is_good: ended == Ended::Finished && met(),
+            is_good: ended == Ended::Finished && until_bad.good().is_some(),
             integer_bits,
             is_on_the_edge: edge == Some(watch.words.1),
             asked_for_bounds: watch.asked_for_bounds,

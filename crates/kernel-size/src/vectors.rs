@@ -7,7 +7,7 @@ use real::{Backend, FormatName, Work, word_of};
 use crate::bench::{Observer, run};
 use crate::case::Case;
 use crate::ended::Ended;
-use crate::formats::{in_format, named};
+use crate::formats::in_format;
 use crate::kernel::Kernel;
 use crate::refusal::Refusal;
 
@@ -17,10 +17,7 @@ use crate::refusal::Refusal;
 /// # Errors
 /// As [`compare`](crate::compare()), and [`Refusal::Run`] if the kernel does not finish in the format.
 pub fn vectors<K: Kernel>(kernel: &K, format: FormatName) -> Result<String, Refusal> {
-    if named(&format.to_string()).is_none() {
-        return Err(Refusal::Format(format.to_string()));
-    }
-    let case = Case::of(kernel)?;
+    let case = Case::of(kernel, &[format])?;
     let (ended, rows) = in_format(format, Writing { case: &case });
     if ended != Ended::Finished {
         return Err(Refusal::Run(format.to_string(), ended));

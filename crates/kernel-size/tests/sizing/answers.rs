@@ -42,6 +42,22 @@ fn an_error_that_grows_is_found_where_it_is_too_large() {
     assert_eq!(run.signals.iter().map(|one| one.signal).collect::<Vec<_>>(), ["sum", "x"]);
 }
 
+/// Over 10 000 steps the course has the largest error of every ten, and the worst of all is among them.
+#[test]
+fn the_course_of_an_error_keeps_its_extremes() {
+    let kernel = one(Sum, 10_000, (-1.0, 1.0), Output::named("sum").within(1.0));
+    let compared = compare(&kernel, &[named("I16F16").unwrap()]).unwrap();
+    let sum = &compared.formats[0].outputs[0];
+    assert_eq!(sum.course.len(), 1000);
+    assert!(sum.course.iter().enumerate().all(|(stretch, (step, _))| step / 10 == stretch));
+    assert!(sum.course.contains(&(sum.worst_step, sum.worst_error)) && sum.worst_error > 0.0);
+    let few = compare(&one(Sum, 7, (-1.0, 1.0), Output::named("sum").within(1.0)), &built_in()).unwrap();
+    assert_eq!(
+        few.formats[0].outputs[0].course.iter().map(|(step, _)| *step).collect::<Vec<_>>(),
+        [0, 1, 2, 3, 4, 5, 6]
+    );
+}
+
 /// The sum of halves is 128 after 256 steps, which is beyond I8F24.
 #[test]
 fn an_overflow_is_found_by_step_and_signal() {

@@ -126,6 +126,92 @@ fn a_kernel_that_does_not_keep_to_its_steps_is_told_what_is_expected() {
     }
 }
 
+/// A kernel that ends as it should, and panics then; and one whose panic has no message.
+#[test]
+fn a_panic_after_the_last_step_and_one_without_a_message_are_reported() {
+    struct After;
+    impl What for After {
+        fn run<R: Real>(&self, steps: &mut Steps<'_, R>) {
+            while let Some([x]) = steps.begin() {
+                steps.end([x]);
+            }
+            panic!("the file is locked");
+        }
+    }
+    struct Silent;
+    impl What for Silent {
+        fn run<R: Real>(&self, steps: &mut Steps<'_, R>) {
+            if steps.begin::<1>().is_some() {
+                std::panic::panic_any(7);
+            }
+        }
+    }
+    let output = || Output::named("y").within(0.1);
+    let refused =
+        |error: Refusal| error.to_string().replace("in double-double, which is the reference, ", "");
+    let after = compare(&one(After, 3, (0.0, 1.0), output()), &built_in()).unwrap_err();
+    assert_eq!(refused(after), "the kernel panics in step 3: the file is locked");
+    let silent = compare(&one(Silent, 3, (0.0, 1.0), output()), &built_in()).unwrap_err();
+    assert_eq!(refused(silent), "the kernel panics in step 0: what it panics with is no text");
+}
+
+/// Where the right values are known otherwise, formats are judged though the reference panics, and the answer says that it does.
+#[test]
+fn a_reference_that_panics_is_told_beside_the_formats() {
+    let truth = Output::named("y").within(1.0).truth(vec![0.5; 20]);
+    let compared = compare(&one(By(|step| step == 7), 20, (0.0, 1.0), truth), &built_in()).unwrap();
+    assert!(compared.run("I16F16").is_some_and(|run| run.good));
+    let text = compared.to_string();
+    assert!(text.contains("double-double: the kernel panics in step 7: the table has no entry 7"), "{text}");
+}
+
+/// What is no number inside, but not in an output, is found where it turns a comparison.
+#[test]
+fn a_state_that_is_no_number_is_found_by_the_way_that_it_turns() {
+    struct Hidden;
+    impl What for Hidden {
+        fn run<R: Real>(&self, steps: &mut Steps<'_, R>) {
+            let (mut y, mut count) = (R::from_ratio(2, 1), R::zero());
+            while let Some([_]) = steps.begin() {
+                y = (y * y).signal("y");
+                let lost = (y - y).signal("lost");
+                count = if lost >= R::zero() { count + R::one() } else { count };
+                steps.end([count]);
+            }
+        }
+    }
+    let kernel = one(Hidden, 9, (0.0, 1.0), Output::named("count").exact());
+    let compared = compare(&kernel, &[named("f32").unwrap(), named("f64").unwrap()]).unwrap();
+    let run = compared.run("f32").unwrap();
+    // 2¹²⁸ is infinite in an f32, in the seventh square, and its distance from itself no number.
+    assert_eq!((&run.ended, run.first_bad_step), (&Ended::Finished, Some(6)));
+    let other = run.divergence.as_ref().unwrap();
+    assert_eq!((other.step, other.signal, other.holds), (6, Some("lost"), false));
+    assert!(compared.run("f64").is_some_and(|run| run.good));
+}
+
+#[test]
+fn a_kernel_without_outputs_is_refused() {
+    struct Nothing;
+    impl kernel_size::Kernel for Nothing {
+        fn name(&self) -> &'static str {
+            "nothing"
+        }
+        fn steps(&self) -> usize {
+            5
+        }
+        fn inputs(&self) -> Result<Vec<kernel_size::Input>, kernel_size::InputError> {
+            Ok(Vec::new())
+        }
+        fn outputs(&self) -> Vec<Output> {
+            Vec::new()
+        }
+        fn run<R: Real>(&self, _: &mut Steps<'_, R>) {}
+    }
+    let refused = compare(&Nothing, &built_in()).unwrap_err().to_string();
+    assert_eq!(refused, "no output: expected at least one");
+}
+
 #[test]
 fn requests_without_an_answer_are_refused() {
     let refused = |steps, output| compare(&one(Biquad, steps, (0.0, 1.0), output), &built_in()).unwrap_err();
