@@ -15,9 +15,11 @@ mod report;
 
 mod arc_epsilon;
 mod bezier_ramp;
+mod brake_steps;
 mod clock_in_ms;
 mod encoder_pll;
 mod extruder_position;
+mod first_interval;
 mod full_circle;
 mod open_loop_angle;
 mod pid_zero_time;
@@ -25,6 +27,7 @@ mod ramp_steps;
 mod rate_register;
 mod relative_moves;
 mod running_sum;
+mod step_time;
 mod tick_schedule;
 mod trajectory_time;
 mod turns_and_angle;
@@ -32,12 +35,14 @@ mod turns_and_angle;
 pub use report::{Found, Report, Variant};
 
 /// All kernels, in the order of names.
-pub const ALL: [&Report; 15] = [
+pub const ALL: [&Report; 18] = [
     &arc_epsilon::REPORT,
     &bezier_ramp::REPORT,
+    &brake_steps::REPORT,
     &clock_in_ms::REPORT,
     &encoder_pll::REPORT,
     &extruder_position::REPORT,
+    &first_interval::REPORT,
     &full_circle::REPORT,
     &open_loop_angle::REPORT,
     &pid_zero_time::REPORT,
@@ -45,6 +50,7 @@ pub const ALL: [&Report; 15] = [
     &rate_register::REPORT,
     &relative_moves::REPORT,
     &running_sum::REPORT,
+    &step_time::REPORT,
     &tick_schedule::REPORT,
     &trajectory_time::REPORT,
     &turns_and_angle::REPORT,

@@ -53,6 +53,25 @@ fn marlin_12491_a_ramp_ends_in_a_jump() {
     assert!((x.max - 1_970_000.0 / 2_097_152.0).abs() < 1e-6, "{}", x.max);
 }
 
+/// 128 · 8000²/2 is 4.096e9 at 2400 rpm, which wraps to -198967296 and gives the thread's -1989672 for 100 steps/s². It wraps first
+/// at 1738 rpm, so in step 289, of 1740 rpm. At 6 rpm the thread's sharp ramp up has 0 microsteps, where the ramp down takes 256.
+#[test]
+fn stepper_driver_138_a_motor_never_brakes() {
+    let found = judged("brake-steps");
+    assert_cured_by(&found, &["f32", "f64"]);
+    let run = as_reported(&found);
+    assert_eq!(
+        run.overflows.as_ref().map(|lost| (lost.first_step, lost.first_signal)),
+        Some((289, Some("product")))
+    );
+    let right = 128.0 * 8000.0_f64.powi(2) / 200.0;
+    let last = output(run, "after_1000").course.last().copied();
+    let (step, error) = last.expect("the error of the last step, which is at 2400 rpm");
+    assert_eq!(step, 399);
+    assert!((error - (right + 1_989_672.0)).abs() <= 1.0, "{error}");
+    assert_eq!(output(run, "after_32000").first_broken(), Some(0));
+}
+
 /// The number to which the thread says that the clock is rounded.
 #[test]
 fn airsim_929_time_stands_still() {
@@ -76,6 +95,23 @@ fn cura_engine_14_and_marlin_28192_an_extruder_makes_double_steps() {
     assert_cured_by(&found, &["I16F16", "I32F32", "I16F48", "f64"]);
     let steps = output(as_reported(&found), "steps");
     assert!((0.5..=1.0).contains(&steps.worst_error), "{}", steps.worst_error);
+}
+
+/// At 2⁻¹⁶ steps a frame the interval is 2000 · 2¹⁶ ticks, beyond 2²⁶. At twice that speed it is not.
+#[test]
+fn marlin_28187_a_first_step_comes_too_late() {
+    let found = judged("first-interval");
+    assert_eq!(found.as_reported.first_bad_step, Some(6));
+    let run = as_reported(&found);
+    assert_eq!(run.overflows.as_ref().map(|lost| lost.first_signal), Some(Some("interval")));
+    // 131072000 wraps to -3145728, and the missing ticks are what is added.
+    let first = output(run, "first");
+    assert!((first.worst_error - (3_145_728.0 + 1000.0)).abs() < 1.0, "{first:?}");
+    assert!(
+        found.as_reported.good_formats.contains(&"f32".to_string()),
+        "{:?}",
+        found.as_reported.good_formats
+    );
 }
 
 /// Those two of the four circles are missing that the thread names. An f64 misses circles too; in fixed point a sum is exact.
@@ -152,6 +188,20 @@ fn allwpilib_469_a_sum_does_not_return_to_zero() {
     let found = judged("running-sum");
     assert_cured_by(&found, &["I16F16", "I32F32", "I16F48"]);
     assert_eq!(found.as_reported.first_bad_step, Some(4007));
+}
+
+/// A guess leaves the part 1 - p′/s of the error, p′ = 2√ε the slope at the root and s = 1 that of the chord: for ε = 10⁻⁴ this takes
+/// ln(10⁻⁴ 2³⁰)/0.02, some 580 guesses.
+#[test]
+fn klipper_3142_a_search_for_a_step_time_creeps() {
+    let found = judged("step-time");
+    assert!(found.as_reported.comparison.not_a_question_of_format);
+    let guesses = |format: &str, cured: bool| {
+        let variant = if cured { &found.cured } else { &found.as_reported };
+        output(run(&variant.comparison, format), "guesses").worst_error
+    };
+    assert_eq!((guesses("f64", false), found.as_reported.first_bad_step), (2000.0, Some(2)));
+    assert!(guesses("f64", true) <= 40.0, "{}", guesses("f64", true));
 }
 
 /// The rate of which the thread's warning speaks.
