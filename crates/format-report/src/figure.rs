@@ -5,7 +5,6 @@ use svg::Document;
 use svg::node::element::{Group, Path, Rectangle, Style, Text, Title};
 
 use crate::palette;
-use crate::runs::RunView;
 
 /// A finished picture.
 #[derive(Clone, Debug)]
@@ -114,9 +113,8 @@ impl Figure {
 
     /// Adds a legend of the runs to the picture's own file. The page lists the runs beside their switches and needs no
     /// legend.
-    pub(crate) fn with_runs(mut self, runs: &[RunView<'_>]) -> Self {
-        let ran = runs.iter().filter(|run| run.trace.is_some());
-        self.legend = ran.map(|run| Entry::line(&run.class(), &run.name())).collect();
+    pub(crate) fn with_runs(mut self, runs: Vec<Entry>) -> Self {
+        self.legend = runs;
         self.legend_only_in_file = true;
         self
     }

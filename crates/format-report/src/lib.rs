@@ -9,6 +9,7 @@
 //! | where does a format stay good? | [`Sweep`], [`SweepCell`] |
 //! | which format is good for many parts? | [`SetPage`], [`PartOfSet`] |
 //! | what did a controller do, by its log? | [`LogPage`], [`LogLimitRow`], [`LogPathPoint`] |
+//! | which format is good for a kernel of your own? | [`KernelPage`] |
 //! | what does it consist of? | [`Report`], [`Figure`], [`Table`] |
 //! | what is a picture of any lines? | [`LineChart`] |
 //!
@@ -25,6 +26,7 @@ mod envelope;
 mod figure;
 mod figures;
 mod frame;
+mod kernel;
 mod line_chart;
 mod log_page;
 mod log_path_point;
@@ -35,11 +37,13 @@ mod report;
 mod runs;
 mod set;
 mod sweep;
+mod switch;
 mod table;
 mod tables;
 mod thinned;
 
 pub use figure::Figure;
+pub use kernel::KernelPage;
 pub use line_chart::LineChart;
 pub use log_page::{LogLimitRow, LogPage};
 pub use log_path_point::LogPathPoint;

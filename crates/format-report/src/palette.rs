@@ -90,6 +90,11 @@ pub(crate) fn styles_of_the_page() -> String {
     format!("{FIXED}{light}@media (prefers-color-scheme:dark){{{dark}}}{chosen}{}", dashes())
 }
 
+/// The classes of a run's elements, by which the page switches them on and off.
+pub(crate) fn series(run: usize, hue: usize, dash: usize) -> String {
+    format!("series run{run} c{hue} d{dash}")
+}
+
 /// The colour of a hue on white and on dark grey, for a sample beside a name.
 pub(crate) fn hue(place: usize) -> (&'static str, &'static str) {
     HUES[place % HUE_COUNT]

@@ -9,8 +9,8 @@ use crate::figures::{self, Chapter};
 use crate::frame::Frame;
 use crate::material::Material;
 use crate::number;
-use crate::palette;
 use crate::runs::{self, RunView};
+use crate::switch::Switch;
 use crate::table::Table;
 use crate::tables;
 
@@ -56,18 +56,6 @@ struct MarginView {
     used: String,
 }
 
-struct Switch {
-    index: usize,
-    name: String,
-    light: &'static str,
-    dark: &'static str,
-    dash: &'static str,
-    shown: bool,
-    ran: bool,
-    good: bool,
-    recommended: bool,
-}
-
 impl Report {
     /// The name of the page.
     pub const PAGE: &str = "index.html";
@@ -104,7 +92,7 @@ impl Report {
             machine: &comparison.machine,
             answer: answer(comparison, &requirements),
             margins: requirements.iter().map(MarginView::of).collect(),
-            runs: runs.iter().map(|run| Switch::of(run, recommended)).collect(),
+            runs: runs.iter().map(RunView::switch).collect(),
             formats: on_pieces.as_ref().or(raw.as_ref()).unwrap_or(&formats),
             raw: on_pieces.as_ref().and(raw.as_ref()),
             bits: bits.as_ref(),
@@ -164,23 +152,6 @@ impl MarginView {
             used: one
                 .used()
                 .map_or_else(String::new, |used| format!("{} % used", number::short(used * 100.0))),
-        }
-    }
-}
-
-impl Switch {
-    fn of(run: &RunView<'_>, recommended: Option<usize>) -> Self {
-        let (light, dark) = palette::hue(run.hue);
-        Self {
-            index: run.index,
-            name: run.name(),
-            light,
-            dark,
-            dash: palette::dash(run.dash),
-            shown: run.shown,
-            ran: run.trace.is_some(),
-            good: run.row.verdict.is_good(),
-            recommended: recommended == Some(run.index),
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use format_compare::{Comparison, Engine, JudgedRun, Trace, Verdict};
 
-use crate::palette::{DASH_COUNT, HUE_COUNT};
+use crate::figure::Entry;
+use crate::palette::{DASH_COUNT, HUE_COUNT, series};
+use crate::switch::Switch;
 
 /// One run: a format with a form of the path.
 pub(crate) struct RunView<'a> {
@@ -30,7 +32,18 @@ impl RunView<'_> {
 
     /// The classes of the run's elements in a picture.
     pub(crate) fn class(&self) -> String {
-        format!("series run{} c{} d{}", self.index, self.hue, self.dash)
+        series(self.index, self.hue, self.dash)
+    }
+
+    /// Its switch.
+    pub(crate) fn switch(&self) -> Switch {
+        Switch {
+            shown: self.shown,
+            ran: self.trace.is_some(),
+            good: self.row.verdict.is_good(),
+            recommended: self.recommended,
+            ..Switch::new(self.index, self.name(), self.hue, self.dash)
+        }
     }
 
     /// The classes of a mark in a picture that always shows all runs: the mark is hollow if a requirement is not met.
@@ -63,6 +76,12 @@ pub(crate) fn views<'a>(comparison: &'a Comparison, traces: &'a [Option<Trace>])
     let wanted = at_first(comparison);
     runs.iter_mut().for_each(|run| run.shown = wanted.contains(&run.index));
     runs
+}
+
+/// A line of a legend for each run that was made.
+pub(crate) fn entries(runs: &[RunView<'_>]) -> Vec<Entry> {
+    let ran = runs.iter().filter(|run| run.trace.is_some());
+    ran.map(|run| Entry::line(&run.class(), &run.name())).collect()
 }
 
 /// The run that the comparison recommends.

@@ -97,58 +97,69 @@ pub(crate) fn margins(requirements: &[Requirement]) -> Table {
     }
 }
 
+/// The columns of a cost, after those that say whose it is.
+const COST_COLUMNS: [(&str, &str); 9] = [
+    ("mean", "mean"),
+    ("worst", "worst"),
+    ("worst_low", "worst, low"),
+    ("worst_high", "worst, high"),
+    ("unit", "counted"),
+    ("worst_us", "worst [µs]"),
+    ("share_of_period", "share of the period"),
+    ("dsp_blocks", "DSP blocks"),
+    ("most_work_in", "most work in"),
+];
+
+/// A table of costs: `whose` are the columns before those of a cost, and `rows` their cells with the cost. `None` without a row.
+pub(crate) fn cost_table(
+    title: &str,
+    whose: &[(&'static str, &'static str)],
+    rows: Vec<(Vec<Cell>, &Cost)>,
+) -> Option<Table> {
+    let row = |(whose, cost): (Vec<Cell>, &Cost)| whose.into_iter().chain(cost_cells(cost)).collect();
+    let columns = whose.iter().chain(&COST_COLUMNS);
+    (!rows.is_empty()).then(|| Table {
+        name: "costs".into(),
+        title: title.into(),
+        columns: columns.map(|(key, heading)| Column { key, heading }).collect(),
+        rows: rows.into_iter().map(row).collect(),
+    })
+}
+
+fn cost_cells(cost: &Cost) -> Vec<Cell> {
+    match cost {
+        Cost::Known(cost) => vec![
+            Cell::Number(cost.mean),
+            Cell::Number(cost.max),
+            Cell::Number(cost.max_range[0]),
+            Cell::Number(cost.max_range[1]),
+            Cell::text(match cost.measure {
+                target_cost::Measure::Cycles => "cycles",
+                target_cost::Measure::Instructions => "instructions",
+            }),
+            Cell::maybe(cost.microseconds_max),
+            Cell::maybe(cost.share_of_period),
+            Cell::maybe(cost.dsp_blocks.map(Into::into)),
+            Cell::text(cost.dominating),
+        ],
+        Cost::Unknown { unknown } => {
+            let mut cells = vec![Cell::Nothing; COST_COLUMNS.len() - 1];
+            cells.push(Cell::text(format!("unknown: nobody publishes its {unknown}")));
+            cells
+        }
+    }
+}
+
 /// The cost of a period, with a row for each run and target; `None` if the comparison was not priced.
 pub(crate) fn costs(material: &Material<'_>, runs: &[RunView<'_>]) -> Option<Table> {
-    let columns = [
-        ("target", "target"),
-        ("format", "format"),
-        ("path", "path"),
-        ("mean", "a period, mean"),
-        ("worst", "worst"),
-        ("worst_low", "worst, low"),
-        ("worst_high", "worst, high"),
-        ("unit", "counted"),
-        ("worst_us", "worst [µs]"),
-        ("share_of_period", "share of the period"),
-        ("dsp_blocks", "DSP blocks"),
-        ("most_work_in", "most work in"),
-    ];
     let mut rows = Vec::new();
     for target in material.targets {
         for run in runs {
             let Some(cost) = run.row.cycles.get(&target.name) else { continue };
-            let mut cells = vec![
-                Cell::text(&target.name),
-                Cell::text(&run.row.format),
-                Cell::text(run.row.engine.to_string()),
-            ];
-            match cost {
-                Cost::Known(cost) => cells.extend([
-                    Cell::Number(cost.mean),
-                    Cell::Number(cost.max),
-                    Cell::Number(cost.max_range[0]),
-                    Cell::Number(cost.max_range[1]),
-                    Cell::text(match cost.measure {
-                        target_cost::Measure::Cycles => "cycles",
-                        target_cost::Measure::Instructions => "instructions",
-                    }),
-                    Cell::maybe(cost.microseconds_max),
-                    Cell::maybe(cost.share_of_period),
-                    Cell::maybe(cost.dsp_blocks.map(Into::into)),
-                    Cell::text(cost.dominating),
-                ]),
-                Cost::Unknown { unknown } => {
-                    cells.extend(vec![Cell::Nothing; 8]);
-                    cells.push(Cell::text(format!("unknown: nobody publishes its {unknown}")));
-                }
-            }
-            rows.push(cells);
+            let whose = [&target.name, &run.row.format, &run.row.engine.to_string()].map(Cell::text);
+            rows.push((whose.to_vec(), cost));
         }
     }
-    (!rows.is_empty()).then(|| Table {
-        name: "costs".into(),
-        title: "What a period costs".into(),
-        columns: columns.map(|(key, heading)| Column { key, heading }).to_vec(),
-        rows,
-    })
+    let whose = [("target", "target"), ("format", "format"), ("path", "path")];
+    cost_table("What a period costs", &whose, rows)
 }

@@ -1,16 +1,36 @@
-//! Says in which formats the filter is good, with how few bits, and what a step costs.
+//! Says in which formats the filter is good, with how few bits, and what a step costs; with a folder, writes all of it there.
 
 mod biquad;
 
 use std::error::Error;
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
 
 use biquad::Biquad;
-use kernel_size::{Language, built_in, compare, named, price, size, vectors};
-use real::Datapath;
+use format_report::KernelPage;
+use kernel_size::{
+    Baseline, Comparison, Language, Sizing, StepPrice, built_in, compare, named, price, size, vectors,
+};
+use real::{Datapath, FormatName};
 use target_cost::Cost;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    println!("{}", compare(&Biquad, &built_in())?);
+/// The status if a format is gone, or worse than in the baseline.
+const WORSE: u8 = 3;
+
+/// The share by which an error may grow over that of the baseline.
+const WORSE_BY: f64 = 0.01;
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [folder, baseline] = [0, 1].map(|place| arguments.get(place));
+    if let Some(folder) = folder {
+        // Nothing that is there is overwritten.
+        fs::create_dir(folder)
+            .map_err(|error| format!("{folder}: {error}: expected the name of a new folder"))?;
+    }
+    let comparison = compare(&Biquad, &built_in())?;
+    println!("{comparison}");
     let sizing = size(&Biquad)?;
     println!("{sizing}");
     let Some(format) = sizing.uniform.as_ref().and_then(|run| named(&run.format)) else {
@@ -19,21 +39,45 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(types) = sizing.types(Language::C, Datapath::default()) {
         println!("{types}");
     }
-    let targets = target_cost::built_in()?;
-    let priced = price(&Biquad, format, &targets, Some(1e-4))?;
-    println!("A step in {format}, of a period of 100 µs:");
-    for target in &targets {
-        match &priced.targets[&target.name] {
-            Cost::Known(cost) => println!("{:14} {:5.0} {:?}", target.name, cost.max, cost.measure),
+    let prices = [price(&Biquad, format, &target_cost::built_in()?, Some(1e-4))?];
+    print_price(&prices[0]);
+    if let Some(folder) = folder {
+        write(Path::new(folder), &comparison, &sizing, &prices, format)?;
+        println!(
+            "{folder}: index.html, comparison.json, and vectors.csv with the bits of each step in {format}"
+        );
+    }
+    let Some(baseline) = baseline else { return Ok(ExitCode::SUCCESS) };
+    let since = Baseline::read(&fs::read_to_string(baseline)?)?.since(&comparison, WORSE_BY)?;
+    print!("Since {baseline}: {since}");
+    Ok(if since.is_worse() { WORSE.into() } else { ExitCode::SUCCESS })
+}
+
+fn print_price(price: &StepPrice) {
+    println!("A step in {}, of a period of 100 µs:", price.format);
+    for (target, cost) in &price.targets {
+        match cost {
+            Cost::Known(cost) => println!("{target:14} {:5.0} {:?}", cost.max, cost.measure),
             Cost::Unknown { unknown } => {
-                println!("{:14} unknown: nobody has published what {unknown} costs", target.name)
+                println!("{target:14} unknown: nobody has published what {unknown} costs")
             }
         }
     }
-    if let Some(file) = std::env::args().nth(1) {
-        std::fs::write(&file, vectors(&Biquad, format)?)?;
-        println!("{file}: the bits of each step in {format}");
+}
+
+fn write(
+    folder: &Path,
+    comparison: &Comparison,
+    sizing: &Sizing,
+    prices: &[StepPrice],
+    format: FormatName,
+) -> Result<(), Box<dyn Error>> {
+    let page = KernelPage { comparison, sizing: Some(sizing), prices, command: "cargo run" };
+    for (name, text) in page.report()?.files {
+        fs::write(folder.join(name), text)?;
     }
+    fs::write(folder.join("comparison.json"), comparison.json())?;
+    fs::write(folder.join("vectors.csv"), vectors(&Biquad, format)?)?;
     Ok(())
 }
 

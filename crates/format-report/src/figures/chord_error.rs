@@ -4,7 +4,7 @@ use crate::chart::{Axis, Layout, draw};
 use crate::figure::Figure;
 use crate::figures::over_time::over_time;
 use crate::material::Material;
-use crate::runs::RunView;
+use crate::runs::{RunView, entries};
 
 /// One picture of all runs.
 pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figure> {
@@ -40,6 +40,6 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
         figure
             .named("chord-error", "Chord error over time, by format", caption)
             .following_the_pointer()
-            .with_runs(runs),
+            .with_runs(entries(runs)),
     ]
 }

@@ -3,7 +3,7 @@
 use crate::chart::{Axis, Layout, draw};
 use crate::figure::Figure;
 use crate::number;
-use crate::runs::RunView;
+use crate::runs::{RunView, entries};
 
 /// One picture of all runs.
 pub(crate) fn figures(runs: &[RunView<'_>]) -> Vec<Figure> {
@@ -34,7 +34,7 @@ pub(crate) fn figures(runs: &[RunView<'_>]) -> Vec<Figure> {
         }
     });
     let caption = "Evaluations are what a period's time goes into. The worst period counts for a controller, not the mean.";
-    vec![figure.named("evaluations", "Evaluations a period, by format", caption).with_runs(runs)]
+    vec![figure.named("evaluations", "Evaluations a period, by format", caption).with_runs(entries(runs))]
 }
 
 /// The share of the periods with 0, 1, 2, … evaluations.

@@ -4,7 +4,7 @@ use crate::chart::{Axis, Layout, draw};
 use crate::figure::Figure;
 use crate::figures::over_time::over_time;
 use crate::material::Material;
-use crate::runs::RunView;
+use crate::runs::{RunView, entries};
 
 /// The runs in the order of drawing: from wide to narrow, then the recommended one, since the last is on top.
 fn in_front<'a, 'b>(series: &'b [(&'a RunView<'a>, Vec<f64>)]) -> Vec<&'b (&'a RunView<'a>, Vec<f64>)> {
@@ -55,6 +55,6 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
         figure
             .named("fluctuation", "Feedrate fluctuation over time, by format", caption)
             .following_the_pointer()
-            .with_runs(runs),
+            .with_runs(entries(runs)),
     ]
 }

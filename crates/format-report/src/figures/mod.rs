@@ -9,7 +9,7 @@ pub(crate) mod log_path;
 mod over_time;
 pub(crate) mod path;
 mod plan;
-mod ranges;
+pub(crate) mod ranges;
 mod schedule;
 mod solvers;
 

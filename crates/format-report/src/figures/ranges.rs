@@ -1,29 +1,51 @@
 //! The powers of two of each named signal's values, against the format's range.
 
+use std::collections::BTreeMap;
+
+use format_compare::Trace;
 use plotters::style::text_anchor::{HPos, VPos};
-use real::{FormatName, RuntimeFormat};
+use real::{FormatName, Histogram, RuntimeFormat, SignalRange};
 
 use crate::chart::{Axis, Layout, Plot, draw};
 use crate::figure::Figure;
 use crate::number;
 use crate::runs::RunView;
 
-/// A picture for each run.
-pub(crate) fn figures(runs: &[RunView<'_>]) -> Vec<Figure> {
-    runs.iter().filter_map(figure).collect()
+/// The signals of a run.
+pub(crate) struct Ranges<'a> {
+    /// The run's number, name and hue.
+    pub(crate) index: usize,
+    pub(crate) name: String,
+    pub(crate) hue: usize,
+    /// Its format.
+    pub(crate) format: &'a str,
+    /// The range of each signal.
+    pub(crate) signals: &'a BTreeMap<&'static str, SignalRange>,
+    /// How large its values were.
+    pub(crate) histograms: &'a BTreeMap<&'static str, Histogram>,
 }
 
-fn figure(run: &RunView<'_>) -> Option<Figure> {
-    let trace = run.trace?;
+/// A picture for each run.
+pub(crate) fn figures(runs: &[RunView<'_>]) -> Vec<Figure> {
+    let of = |run: &RunView<'_>| {
+        let Trace { signals, histograms, .. } = run.trace?;
+        let (index, name, hue, format) = (run.index, run.name(), run.hue, run.row.format.as_str());
+        figure(&Ranges { index, name, hue, format, signals, histograms })
+    };
+    runs.iter().filter_map(of).collect()
+}
+
+/// The picture of a run; `None` if no signal had a value.
+pub(crate) fn figure(run: &Ranges<'_>) -> Option<Figure> {
     let exponents =
-        || trace.histograms.values().flat_map(|histogram| histogram.bins().map(|(exponent, _)| exponent));
+        || run.histograms.values().flat_map(|histogram| histogram.bins().map(|(exponent, _)| exponent));
     let (low, high) = (exponents().min()?, exponents().max()?);
-    let edges = edges(&run.row.format);
+    let edges = edges(run.format);
     // The picture shows the format's range if it is near the values; the range of a float is far away.
     let (low, high) = edges.map_or((low - 2, high + 3), |(least, beyond)| {
         ((least - 6).min(low - 1), (beyond + 8).max(high + 6))
     });
-    let names: Vec<String> = trace.signals.keys().map(|name| name.replace('_', " ")).collect();
+    let names: Vec<String> = run.signals.keys().map(|name| name.replace('_', " ")).collect();
     let height = 70 + 24 * u32::try_from(names.len()).unwrap_or(1);
     let x = Axis::linear(
         "position of the leading bit: log₂ of the magnitude [1]",
@@ -34,14 +56,14 @@ fn figure(run: &RunView<'_>) -> Option<Figure> {
     let layout = Layout { height, left: 170, from_top: true };
     let drawn = draw((x, y), &layout, |plot| {
         if let Some((least, beyond)) = edges {
-            let beyond_name = format!("{}: overflow from here on", run.row.format);
+            let beyond_name = format!("{}: overflow from here on", run.format);
             plot.boxes("outside", &[[f64::from(beyond), f64::from(high), top, bottom]], &beyond_name);
-            let below_name = format!("{}: below its resolution", run.row.format);
+            let below_name = format!("{}: below its resolution", run.format);
             plot.boxes("outside", &[[f64::from(low), f64::from(least), top, bottom]], &below_name);
             plot.upright(f64::from(beyond));
             plot.upright(f64::from(least));
         }
-        plot.group(&format!("c{} d0", run.hue), "", |plot| signals(plot, trace, f64::from(high)));
+        plot.group(&format!("c{} d0", run.hue), "", |plot| signals(plot, run, f64::from(high)));
     });
     let caption = match edges {
         Some(_) => {
@@ -54,16 +76,16 @@ fn figure(run: &RunView<'_>) -> Option<Figure> {
              float's own range is far outside the picture."
         }
     };
-    let title = format!("Ranges of the signals in {}", run.name());
-    Some(drawn.named(&format!("ranges-{}", run.name()), &title, caption).of_run(run.index))
+    let title = format!("Ranges of the signals in {}", run.name);
+    Some(drawn.named(&format!("ranges-{}", run.name), &title, caption).of_run(run.index))
 }
 
-fn signals(plot: &mut Plot<'_>, trace: &format_compare::Trace, right: f64) {
-    let bins = || trace.histograms.values().flat_map(|histogram| histogram.bins());
+fn signals(plot: &mut Plot<'_>, run: &Ranges<'_>, right: f64) {
+    let bins = || run.histograms.values().flat_map(|histogram| histogram.bins());
     let most = bins().map(|(_, count)| count as f64).fold(1.0, f64::max).ln_1p();
-    for (place, (name, range)) in trace.signals.iter().enumerate() {
+    for (place, (name, range)) in run.signals.iter().enumerate() {
         let foot = place as f64 + 0.42;
-        let boxes: Vec<[f64; 4]> = trace.histograms.get(name).map_or_else(Vec::new, |histogram| {
+        let boxes: Vec<[f64; 4]> = run.histograms.get(name).map_or_else(Vec::new, |histogram| {
             let bar = |(exponent, count): (i32, u64)| {
                 let height = 0.84 * (count as f64).ln_1p() / most;
                 [f64::from(exponent), f64::from(exponent + 1), foot, foot - height]
