@@ -29,7 +29,7 @@ pub trait Work {
 pub fn in_few_backends<const SLOT: usize, W: Work>(format: FormatName, work: W) -> W::Output {
     let at_run_time = match format {
         FormatName::Float { bits: 32 } => return work.in_backend::<f32>(),
-        FormatName::Fixed { .. } => RuntimeFormat::named(&format.to_string()),
+        FormatName::Fixed { .. } => RuntimeFormat::of(format),
         _ => None,
     };
     match at_run_time {

@@ -17,8 +17,9 @@ use crate::{Backend, Datapath, FormatName, Overflow, Real, Rounding, square_root
 /// A fixed-point format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RuntimeFormat {
-    width: u32,
-    fraction_bits: u32,
+    // Four bytes in all: each operation asks for its format, and gets it in a register.
+    width: u8,
+    fraction_bits: u8,
     datapath: Datapath,
 }
 
@@ -31,15 +32,26 @@ impl RuntimeFormat {
         if width < 3 || width > 64 || fraction_bits > width - 2 {
             return None;
         }
-        Some(Self { width, fraction_bits, datapath: Datapath { rounding, overflow } })
+        Some(Self::packed(width, fraction_bits, Datapath { rounding, overflow }))
+    }
+
+    #[allow(clippy::cast_possible_truncation, reason = "both are at most 64")]
+    const fn packed(width: u32, fraction_bits: u32, datapath: Datapath) -> Self {
+        Self { width: width as u8, fraction_bits: fraction_bits as u8, datapath }
     }
 
     /// The format of this name, as in `I5F13` or `I5F13-floor-sat`: see [`FormatName::named`].
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        match FormatName::named(name)? {
-            FormatName::Fixed { integer_bits, fraction_bits, datapath: Datapath { rounding, overflow } } => {
-                Self::new(integer_bits + fraction_bits, fraction_bits, rounding, overflow)
+        Self::of(FormatName::named(name)?)
+    }
+
+    /// The format that has this name; `None` unless it is one of fixed point that [`new`](Self::new) makes.
+    #[must_use]
+    pub const fn of(name: FormatName) -> Option<Self> {
+        match name {
+            FormatName::Fixed { fraction_bits, datapath: Datapath { rounding, overflow }, .. } => {
+                Self::new(name.bits(), fraction_bits, rounding, overflow)
             }
             _ => None,
         }
@@ -59,30 +71,33 @@ impl RuntimeFormat {
         if width < 2 || width > 64 || fraction_bits > 62 {
             return None;
         }
-        Some(Self { width, fraction_bits, datapath: Datapath { rounding, overflow } })
+        Some(Self::packed(width, fraction_bits, Datapath { rounding, overflow }))
     }
 
     /// The format's name.
     #[must_use]
     pub const fn name(&self) -> FormatName {
-        match self.width.checked_sub(self.fraction_bits) {
+        match self.width().checked_sub(self.fraction_bits()) {
             Some(integer_bits) => {
-                FormatName::Fixed { integer_bits, fraction_bits: self.fraction_bits, datapath: self.datapath }
+                let (fraction_bits, datapath) = (self.fraction_bits(), self.datapath);
+                FormatName::Fixed { integer_bits, fraction_bits, datapath }
             }
-            None => FormatName::Fraction { bits: self.width, fraction_bits: self.fraction_bits },
+            None => FormatName::Fraction { bits: self.width(), fraction_bits: self.fraction_bits() },
         }
     }
 
     /// Width in bits, the sign included.
     #[must_use]
+    #[inline]
     pub const fn width(&self) -> u32 {
-        self.width
+        self.width as u32
     }
 
     /// Bits after the point: the resolution is `2^-fraction_bits`.
     #[must_use]
+    #[inline]
     pub const fn fraction_bits(&self) -> u32 {
-        self.fraction_bits
+        self.fraction_bits as u32
     }
 
     /// How results are rounded.
@@ -113,12 +128,12 @@ impl RuntimeFormat {
 
     #[inline]
     fn least(self) -> i64 {
-        i64::MIN >> (64 - self.width)
+        i64::MIN >> (64 - self.width())
     }
 
     #[inline]
     fn greatest(self) -> i64 {
-        i64::MAX >> (64 - self.width)
+        i64::MAX >> (64 - self.width())
     }
 
     #[inline]
@@ -126,8 +141,28 @@ impl RuntimeFormat {
     fn fit(self, wide: i128) -> i64 {
         match self.datapath.overflow {
             Overflow::Saturate => self.saturate(wide),
-            Overflow::Wrap => ((wide as i64) << (64 - self.width)) >> (64 - self.width),
+            Overflow::Wrap => self.wrapped(wide as i64),
         }
+    }
+
+    /// The number of the format that has the same last bits.
+    #[inline]
+    fn wrapped(self, bits: i64) -> i64 {
+        let unused = 64 - self.width();
+        (bits << unused) >> unused
+    }
+
+    /// A product or a sum of products as a number: rounded to its last place, and fitted.
+    #[inline]
+    #[allow(clippy::cast_possible_truncation, reason = "the bits that wrapping loses")]
+    fn rounded(self, wide: i128) -> i64 {
+        if !matches!(self.datapath, Datapath { rounding: Rounding::Nearest, overflow: Overflow::Wrap }) {
+            return self.fit(self.shift_right(wide, self.fraction_bits()));
+        }
+        // The bits that are left lie within 64 above the last place; the one below it says whether to round up.
+        let dropped = self.fraction_bits() & 63;
+        let up = ((wide as i64) << 1 >> dropped) & 1;
+        self.wrapped(((wide >> dropped) as i64).wrapping_add(up))
     }
 
     #[inline]
@@ -230,7 +265,7 @@ thread_local! {
 /// reach only within the crate that has it.
 #[inline(never)]
 fn in_force(slot: usize) -> RuntimeFormat {
-    FORMATS.with(|formats| formats[slot].get())
+    FORMATS.with(|formats| formats[slot % SLOTS].get())
 }
 
 /// A number in the format that [`RuntimeFormat::run`] has put in force for `SLOT`, 0 to 7; outside of such a call, in
@@ -295,7 +330,7 @@ impl<const SLOT: usize> Mul for RuntimeFixed<SLOT> {
     #[inline]
     fn mul(self, other: Self) -> Self {
         let format = Self::format();
-        Self(format.fit(format.shift_right(self.wide() * other.wide(), format.fraction_bits)))
+        Self(format.rounded(self.wide() * other.wide()))
     }
 }
 
@@ -304,7 +339,7 @@ impl<const SLOT: usize> Div for RuntimeFixed<SLOT> {
     #[inline]
     fn div(self, other: Self) -> Self {
         let format = Self::format();
-        let numerator = u128::from(self.0.unsigned_abs()) << format.fraction_bits;
+        let numerator = u128::from(self.0.unsigned_abs()) << format.fraction_bits();
         Self(format.quotient(numerator, other.0.unsigned_abs(), (self.0 < 0) != (other.0 < 0)))
     }
 }
@@ -324,7 +359,7 @@ impl<const SLOT: usize> One for RuntimeFixed<SLOT> {
     #[inline]
     fn one() -> Self {
         let format = Self::format();
-        Self(format.saturate(1 << format.fraction_bits))
+        Self(format.saturate(1 << format.fraction_bits()))
     }
 }
 
@@ -349,7 +384,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         let format = Self::format();
         let datapath = Datapath { rounding: Rounding::Nearest, ..format.datapath };
         let nearest = RuntimeFormat { datapath, ..format };
-        let magnitude = u128::from(numerator.unsigned_abs()) << nearest.fraction_bits;
+        let magnitude = u128::from(numerator.unsigned_abs()) << nearest.fraction_bits();
         let negative = (numerator < 0) != (denominator < 0);
         Self(nearest.quotient(magnitude, denominator.unsigned_abs().into(), negative))
     }
@@ -357,8 +392,8 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
     #[inline]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         let format = Self::format();
-        let sum = self.wide() * factor.wide() + (addend.wide() << format.fraction_bits); // below 2^127
-        Self(format.fit(format.shift_right(sum, format.fraction_bits)))
+        let sum = self.wide() * factor.wide() + (addend.wide() << format.fraction_bits()); // below 2^127
+        Self(format.rounded(sum))
     }
 
     #[inline]
@@ -380,7 +415,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
                 }
             }
         };
-        Self(format.fit(format.shift_right(sum, format.fraction_bits)))
+        Self(format.rounded(sum))
     }
 
     #[inline]
@@ -392,7 +427,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
     #[inline]
     fn sqrt(self) -> Self {
         let format = Self::format();
-        Self(format.root(u128::from(self.0.max(0).unsigned_abs()) << format.fraction_bits))
+        Self(format.root(u128::from(self.0.max(0).unsigned_abs()) << format.fraction_bits()))
     }
 
     #[inline]
@@ -401,7 +436,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         let shift = exponent.unsigned_abs();
         Self(match format.datapath.overflow {
             _ if exponent < 0 => format.fit(format.shift_right(self.wide(), shift.min(126))),
-            Overflow::Wrap if shift >= format.width => 0,
+            Overflow::Wrap if shift >= format.width() => 0,
             // Beyond 2^64 every number but zero saturates.
             Overflow::Saturate => format.saturate(self.wide() << shift.min(63) << u32::from(shift > 63)),
             Overflow::Wrap => format.fit(self.wide() << shift),
@@ -411,7 +446,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
     #[inline]
     fn from_phase(phase: u64, exponent: i32) -> Self {
         let format = Self::format();
-        let shift = 64 - exponent.clamp(-64, 64) - format.fraction_bits.cast_signed();
+        let shift = 64 - exponent.clamp(-64, 64) - format.fraction_bits().cast_signed();
         let distance = shift.unsigned_abs();
         let wide = if shift >= 0 {
             u128::from(phase).checked_shr(distance).unwrap_or(0)
@@ -424,7 +459,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
     #[inline]
     fn to_phase(self, exponent: i32) -> u64 {
         let Ok(bits) = u128::try_from(self.0) else { return 0 };
-        let shift = 64 + exponent.clamp(-64, 64) - Self::format().fraction_bits.cast_signed();
+        let shift = 64 + exponent.clamp(-64, 64) - Self::format().fraction_bits().cast_signed();
         let distance = shift.unsigned_abs();
         let wide = if shift < 0 {
             bits >> distance
@@ -449,7 +484,7 @@ impl<const SLOT: usize> Backend for RuntimeFixed<SLOT> {
 
     fn from_f64_pair(high: f64, low: f64) -> Option<Self> {
         let format = Self::format();
-        let exponent = format.fraction_bits.cast_signed();
+        let exponent = format.fraction_bits().cast_signed();
         let bits = i64::nearest(high.ldexp(exponent), low.ldexp(exponent))?;
         (format.least()..=format.greatest()).contains(&bits).then_some(Self(bits))
     }
@@ -457,13 +492,13 @@ impl<const SLOT: usize> Backend for RuntimeFixed<SLOT> {
     #[inline]
     fn to_f64_pair(self) -> (f64, f64) {
         let (high, low) = self.0.split();
-        let exponent = -Self::format().fraction_bits.cast_signed();
+        let exponent = -Self::format().fraction_bits().cast_signed();
         (high.ldexp(exponent), low.ldexp(exponent))
     }
 
     #[inline]
     fn fraction_bits() -> Option<u32> {
-        Some(Self::format().fraction_bits)
+        Some(Self::format().fraction_bits())
     }
 
     #[inline]

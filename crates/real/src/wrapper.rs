@@ -75,14 +75,21 @@ pub(crate) fn with_operands<W: Wrapper, T>(
         if let Some(place) = few.get_mut(count) {
             *place = [a, b];
         } else {
-            if many.is_empty() {
-                many.extend_from_slice(&few);
-            }
-            many.push([a, b]);
+            keep_many(&mut many, &few, [a, b]);
         }
         count += 1;
     }
     act(if many.is_empty() { few[..count].as_flattened() } else { many.as_flattened() })
+}
+
+/// Puts a pair behind the few that have a place; compiled once, and not for each sum of products.
+#[cold]
+#[inline(never)]
+fn keep_many<W: Copy>(many: &mut Vec<[W; 2]>, few: &[[W; 2]], pair: [W; 2]) {
+    if many.is_empty() {
+        many.extend_from_slice(few);
+    }
+    many.push(pair);
 }
 
 /// Makes a `Backend` of a `Wrapper`.
