@@ -182,21 +182,23 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         wanted: Wanted<R>,
         setpoint: &mut PieceSetpoint<R, D>,
     ) {
-        // Forms that this build does not have are told here too, so that the compiler leaves them out.
-        let has_forms = Form::are_compiled::<R>();
-        match state.form {
-            Form::LoweredCubic(shifts) if has_forms => {
-                self.follow_on::<CUBIC, true>(state, (row, Some(shifts)), wanted, setpoint);
+        // In a `const` the compiler knows, before it makes machine code, that numbers without forms of their own call none.
+        if const { Form::are_compiled::<R>() } {
+            match state.form {
+                Form::LoweredCubic(shifts) => {
+                    return self.follow_on::<CUBIC, true>(state, (row, Some(shifts)), wanted, setpoint);
+                }
+                // In floats nothing is scaled, so that this form is none of its own.
+                Form::Cubic if !R::IS_FLOATING => {
+                    return self.follow_on::<CUBIC, true>(state, (row, None), wanted, setpoint);
+                }
+                Form::RationalCubic(shifts) => {
+                    return self.follow_on::<CUBIC, false>(state, (row, Some(shifts)), wanted, setpoint);
+                }
+                Form::Any | Form::Cubic => {}
             }
-            // In floats nothing is scaled, so that this form is none of its own.
-            Form::Cubic if has_forms && !R::IS_FLOATING => {
-                self.follow_on::<CUBIC, true>(state, (row, None), wanted, setpoint);
-            }
-            Form::RationalCubic(shifts) if has_forms => {
-                self.follow_on::<CUBIC, false>(state, (row, Some(shifts)), wanted, setpoint);
-            }
-            _ => self.follow_on::<MAX_DEGREE, false>(state, (row, None), wanted, setpoint),
         }
+        self.follow_on::<MAX_DEGREE, false>(state, (row, None), wanted, setpoint);
     }
 
     /// One period for rarer callers, compiled once.
