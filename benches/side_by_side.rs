@@ -15,7 +15,7 @@ mod textbook;
 
 use contestants::Asked;
 use feed_plan::{EndFeeds, FeedLimit};
-use feedbits_benches::{Path, helix_of_degree, paper_a, ten_points, thousand_points, winding};
+use feedbits_benches::{Path, paper_a, ten_points, thousand_points, winding};
 use nurbs_core::FastCurve;
 use race::{Runner, race, report};
 use serde_json::json;

@@ -1,6 +1,5 @@
 //! Tests that cross crates.
 
-mod book;
 mod constants;
 mod fewest_bits;
 mod hard_curves;
