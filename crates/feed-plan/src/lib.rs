@@ -101,6 +101,7 @@ mod schedule {
 mod limit {
     pub(crate) mod axis_budget;
     pub(crate) mod broken_chord;
+    mod curve_shares;
     pub(crate) mod feed_limit;
     pub(crate) mod fine_moves;
     pub(crate) mod junctions;
