@@ -135,5 +135,29 @@ pub const VELOCITY_JUMP: Key = Key::number(
 )
 .optional("");
 
-/// The keys of the table `[machine.axes.x]`, `.y` or `.z`.
+/// From a millionth of a degree a second to nearly three hundred turns a second.
+const ROTARY_FEED: Domain = Domain::of(1e-6, 1e5, "degrees/s");
+/// The most of an axis that turns.
+pub const ROTARY_VELOCITY: Key =
+    Key::number("velocity_deg_per_s", ROTARY_FEED, "the most of that axis").optional("");
+/// The most of an axis that turns.
+pub const ROTARY_ACCELERATION: Key =
+    Key::number("acceleration_deg_per_s2", Domain::of(1e-3, 1e8, "degrees/s²"), "the most of that axis")
+        .optional("");
+/// The most of an axis that turns.
+pub const ROTARY_JERK: Key =
+    Key::number("jerk_deg_per_s3", Domain::of(1e-3, 1e12, "degrees/s³"), "the most of that axis")
+        .optional("");
+/// The most where the share of the path changes.
+pub const ROTARY_JUMP: Key = Key::number(
+    "velocity_jump_deg_per_s",
+    ROTARY_FEED,
+    "the largest jump where the angle turned along a mm of the path changes; without the key, as much as a period hides",
+)
+.optional("");
+
+/// The keys of the table `[machine.axes.a]`, `.b` or `.c`.
+pub const ROTARY_KEYS: [Key; 5] = [ROTARY_VELOCITY, ROTARY_ACCELERATION, ROTARY_JERK, ROTARY_JUMP, ASSUMED];
+
+/// The keys of the table `[machine.axes.x]`, `.y`, `.z`, `.u`, `.v` or `.w`.
 pub const AXIS_KEYS: [Key; 5] = [AXIS_VELOCITY, AXIS_ACCELERATION, AXIS_JERK, VELOCITY_JUMP, ASSUMED];

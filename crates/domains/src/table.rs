@@ -15,9 +15,10 @@ pub struct Table {
 }
 
 /// Every number, word and truth that a person can write.
-pub const TABLES: [Table; 7] = [
+pub const TABLES: [Table; 8] = [
     Table { title: "`[machine]`", keys: &machine::KEYS },
     Table { title: "`[machine.axes.x]`", keys: &machine::AXIS_KEYS },
+    Table { title: "`[machine.axes.a]`", keys: &machine::ROTARY_KEYS },
     Table { title: "`[curve]`", keys: &curve::KEYS },
     Table { title: "`[servo]`", keys: &servo::KEYS },
     Table { title: "a target file", keys: &target::KEYS },

@@ -63,6 +63,7 @@ mod ratio_words;
 mod remark;
 mod rest;
 mod rounding;
+mod side_axes;
 mod source;
 mod spline_blocks;
 mod text_length;
@@ -89,7 +90,8 @@ pub use gcode::{KnownWord, WordUse, known_words};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, Joints, TANGENT_BREAK_RAD, is_joined};
 pub use machine::{
-    AssumedValue, Axes, AxisLimits, Junction, Machine, StatedLimits, read_limits, read_machine,
+    AssumedValue, Axes, AxisLimits, Junction, Machine, RotaryLimits, SideLimits, StatedLimits, read_limits,
+    read_machine,
 };
 pub use moves::{Move, MoveKind, Shape};
 pub use options::{Dialect, ReadOptions, Unit};
@@ -98,6 +100,7 @@ pub use ratio_words::{NoLargestRatio, RatioLost, RatioWords};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
 pub use rest::Rest;
 pub use rounding::{Rounded, StandsStill};
+pub use side_axes::{SIDE_AXES, SideMove};
 pub use text_length::{MAX_PROGRAM, MAX_TEXT};
 pub use toml_table::nearest;
 pub use tool_table::ToolTable;

@@ -4,7 +4,8 @@ use domains::Key;
 use domains::machine::{
     ACCELERATION, ASSUMED, AXIS_ACCELERATION, AXIS_JERK, AXIS_KEYS, AXIS_VELOCITY, CENTRIPETAL, CHORD_ERROR,
     DEVIATION, FEEDRATE, FLUCTUATION_LIMIT, INCREMENT, JERK, JUNCTION, KEYS, MAX_ITERATIONS,
-    PARAMETER_TOLERANCE, PERIOD, S_STOPS, VELOCITY_JUMP,
+    PARAMETER_TOLERANCE, PERIOD, ROTARY_ACCELERATION, ROTARY_JERK, ROTARY_JUMP, ROTARY_KEYS, ROTARY_VELOCITY,
+    S_STOPS, VELOCITY_JUMP,
 };
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -136,6 +137,75 @@ pub struct Axes {
     pub y: AxisLimits,
     /// Table `[machine.axes.z]`.
     pub z: AxisLimits,
+    /// Table `[machine.axes.a]`.
+    #[serde(skip_serializing_if = "is_default")]
+    pub a: RotaryLimits,
+    /// Table `[machine.axes.b]`.
+    #[serde(skip_serializing_if = "is_default")]
+    pub b: RotaryLimits,
+    /// Table `[machine.axes.c]`.
+    #[serde(skip_serializing_if = "is_default")]
+    pub c: RotaryLimits,
+    /// Table `[machine.axes.u]`.
+    #[serde(skip_serializing_if = "is_default")]
+    pub u: AxisLimits,
+    /// Table `[machine.axes.v]`.
+    #[serde(skip_serializing_if = "is_default")]
+    pub v: AxisLimits,
+    /// Table `[machine.axes.w]`.
+    #[serde(skip_serializing_if = "is_default")]
+    pub w: AxisLimits,
+}
+
+/// Serde hands over a reference.
+fn is_default<T: Default + PartialEq>(limits: &T) -> bool {
+    *limits == T::default()
+}
+
+impl Axes {
+    /// The limits of the side axes, in degrees or mm, in the order of [`SIDE_AXES`](crate::SIDE_AXES).
+    #[must_use]
+    pub fn of_side_axes(&self) -> [SideLimits; 6] {
+        let [a, b, c] = [self.a, self.b, self.c].map(|axis| SideLimits {
+            velocity: axis.velocity_deg_per_s,
+            acceleration: axis.acceleration_deg_per_s2,
+            jerk: axis.jerk_deg_per_s3,
+            velocity_jump: axis.velocity_jump_deg_per_s,
+        });
+        let [u, v, w] = [self.u, self.v, self.w].map(|axis| SideLimits {
+            velocity: axis.velocity_mm_per_s,
+            acceleration: axis.acceleration_mm_per_s2,
+            jerk: axis.jerk_mm_per_s3,
+            velocity_jump: axis.velocity_jump_mm_per_s,
+        });
+        [a, b, c, u, v, w]
+    }
+}
+
+/// The limits of an axis that turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct RotaryLimits {
+    /// In degrees/s.
+    pub velocity_deg_per_s: Option<f64>,
+    /// In degrees/s².
+    pub acceleration_deg_per_s2: Option<f64>,
+    /// In degrees/s³.
+    pub jerk_deg_per_s3: Option<f64>,
+    /// Where its share of the path changes, in degrees/s.
+    pub velocity_jump_deg_per_s: Option<f64>,
+}
+
+/// The limits of a side axis, in its unit, degrees or mm, and seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SideLimits {
+    /// The most.
+    pub velocity: Option<f64>,
+    /// The most.
+    pub acceleration: Option<f64>,
+    /// The most.
+    pub jerk: Option<f64>,
+    /// The largest jump of the velocity where the axis' share of the path changes.
+    pub velocity_jump: Option<f64>,
 }
 
 /// The limits of one axis.
@@ -149,6 +219,30 @@ pub struct AxisLimits {
     pub jerk_mm_per_s3: Option<f64>,
     /// At a break of the tangent, in mm/s.
     pub velocity_jump_mm_per_s: Option<f64>,
+}
+
+impl RotaryLimits {
+    /// Each limit with its key.
+    fn by_keys(&mut self) -> Vec<(&'static Key, &mut Option<f64>)> {
+        vec![
+            (&ROTARY_VELOCITY, &mut self.velocity_deg_per_s),
+            (&ROTARY_ACCELERATION, &mut self.acceleration_deg_per_s2),
+            (&ROTARY_JERK, &mut self.jerk_deg_per_s3),
+            (&ROTARY_JUMP, &mut self.velocity_jump_deg_per_s),
+        ]
+    }
+}
+
+impl AxisLimits {
+    /// Each limit with its key.
+    fn by_keys(&mut self) -> Vec<(&'static Key, &mut Option<f64>)> {
+        vec![
+            (&AXIS_VELOCITY, &mut self.velocity_mm_per_s),
+            (&AXIS_ACCELERATION, &mut self.acceleration_mm_per_s2),
+            (&AXIS_JERK, &mut self.jerk_mm_per_s3),
+            (&VELOCITY_JUMP, &mut self.velocity_jump_mm_per_s),
+        ]
+    }
 }
 
 /// Reads a machine file: TOML with a table `[machine]`. The other tables of a curve file may stand beside it.
@@ -224,13 +318,8 @@ impl StatedLimits {
 
     /// The limit of a key, of those that a file may leave out.
     fn limit(&mut self, axis: Option<&str>, key: &str) -> Option<&mut Option<f64>> {
-        let of_axis = match axis {
-            None => None,
-            Some("x") => Some(&mut self.axes.x),
-            Some("y") => Some(&mut self.axes.y),
-            Some(_) => Some(&mut self.axes.z),
-        };
-        let limits = match of_axis {
+        let axes = &mut self.axes;
+        let limits = match axis {
             None => vec![
                 (&PERIOD, &mut self.interpolation_period_ms),
                 (&FEEDRATE, &mut self.feedrate_mm_per_s),
@@ -238,12 +327,16 @@ impl StatedLimits {
                 (&JERK, &mut self.jerk_mm_per_s3),
                 (&CENTRIPETAL, &mut self.centripetal_acceleration_mm_per_s2),
             ],
-            Some(axis) => vec![
-                (&AXIS_VELOCITY, &mut axis.velocity_mm_per_s),
-                (&AXIS_ACCELERATION, &mut axis.acceleration_mm_per_s2),
-                (&AXIS_JERK, &mut axis.jerk_mm_per_s3),
-                (&VELOCITY_JUMP, &mut axis.velocity_jump_mm_per_s),
-            ],
+            Some("x") => axes.x.by_keys(),
+            Some("y") => axes.y.by_keys(),
+            Some("z") => axes.z.by_keys(),
+            Some("u") => axes.u.by_keys(),
+            Some("v") => axes.v.by_keys(),
+            Some("w") => axes.w.by_keys(),
+            Some("a") => axes.a.by_keys(),
+            Some("b") => axes.b.by_keys(),
+            Some("c") => axes.c.by_keys(),
+            Some(_) => Vec::new(),
         };
         limits.into_iter().find(|(of, _)| of.name == key).map(|(_, limit)| limit)
     }
@@ -392,28 +485,53 @@ fn assumed(
 
 /// The limits of axes, and what of them is assumed.
 fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> (Axes, Vec<AssumedValue>) {
-    let mut of_axes = Vec::new();
-    let mut axis = |key: &'static str| {
-        let mut keys = TableReader::new(report, "[machine.axes]", header, table);
-        let Some((header, table)) = keys.table(key) else { return AxisLimits::default() };
-        let mut keys = TableReader::new(report, format!("[machine.axes.{key}]"), header, table);
-        let limits = AxisLimits {
-            velocity_mm_per_s: keys.optional_number(&AXIS_VELOCITY),
-            acceleration_mm_per_s2: keys.optional_number(&AXIS_ACCELERATION),
-            jerk_mm_per_s3: keys.optional_number(&AXIS_JERK),
-            velocity_jump_mm_per_s: keys.optional_number(&VELOCITY_JUMP),
-        };
-        of_axes.extend(assumed(&mut keys, Some(key), &AXIS_KEYS));
-        keys.finish();
-        limits
-    };
-    let axes = Axes { x: axis("x"), y: axis("y"), z: axis("z") };
+    let mut assumed = Vec::new();
+    let mut linear = |key| axis_from(report, (header, table), key, (&AXIS_KEYS, linear_limits), &mut assumed);
+    let [x, y, z, u, v, w] = ["x", "y", "z", "u", "v", "w"].map(&mut linear);
+    let mut rotary = |key| axis_from(report, (header, table), key, (&ROTARY_KEYS, rotary_limits), &mut assumed);
+    let [a, b, c] = ["a", "b", "c"].map(&mut rotary);
+    let axes = Axes { x, y, z, a, b, c, u, v, w };
     let mut keys = TableReader::new(report, "[machine.axes]", header, table);
-    for key in ["x", "y", "z"] {
+    for key in ["x", "y", "z", "a", "b", "c", "u", "v", "w"] {
         keys.optional(key);
     }
     keys.finish();
-    (axes, of_axes)
+    (axes, assumed)
+}
+
+/// Reads the table of one axis, if there is one, and adds what of it is assumed.
+fn axis_from<L: Default>(
+    report: &mut Report<'_>,
+    (header, table): (Span, &DeTable<'_>),
+    key: &'static str,
+    (known, limits_of): (&[Key], fn(&mut TableReader<'_, '_, '_>) -> L),
+    of_axes: &mut Vec<AssumedValue>,
+) -> L {
+    let mut keys = TableReader::new(report, "[machine.axes]", header, table);
+    let Some((header, table)) = keys.table(key) else { return L::default() };
+    let mut keys = TableReader::new(report, format!("[machine.axes.{key}]"), header, table);
+    let limits = limits_of(&mut keys);
+    of_axes.extend(assumed(&mut keys, Some(key), known));
+    keys.finish();
+    limits
+}
+
+fn linear_limits(keys: &mut TableReader<'_, '_, '_>) -> AxisLimits {
+    AxisLimits {
+        velocity_mm_per_s: keys.optional_number(&AXIS_VELOCITY),
+        acceleration_mm_per_s2: keys.optional_number(&AXIS_ACCELERATION),
+        jerk_mm_per_s3: keys.optional_number(&AXIS_JERK),
+        velocity_jump_mm_per_s: keys.optional_number(&VELOCITY_JUMP),
+    }
+}
+
+fn rotary_limits(keys: &mut TableReader<'_, '_, '_>) -> RotaryLimits {
+    RotaryLimits {
+        velocity_deg_per_s: keys.optional_number(&ROTARY_VELOCITY),
+        acceleration_deg_per_s2: keys.optional_number(&ROTARY_ACCELERATION),
+        jerk_deg_per_s3: keys.optional_number(&ROTARY_JERK),
+        velocity_jump_deg_per_s: keys.optional_number(&ROTARY_JUMP),
+    }
 }
 
 #[cfg(test)]
@@ -476,7 +594,7 @@ centripetal_acceleration_mm_per_s2 = -1
 feed_rate = 3
 [machine.axes.x]
 velocity = 3
-[machine.axes.w]
+[machine.axes.q]
 ";
         let errors = read_machine("m.toml", text).unwrap_err();
         let said: Vec<_> = errors.iter().map(|e| format!("{}:{} {}", e.line, e.column, e.message)).collect();
@@ -492,7 +610,7 @@ velocity = 3
             "10:38 `centripetal_acceleration_mm_per_s2` is -1",
             "11:1 unknown key `feed_rate` in [machine]",
             "13:1 unknown key `velocity` in [machine.axes.x]",
-            "14:15 unknown key `w` in [machine.axes]",
+            "14:15 unknown key `q` in [machine.axes]",
         ];
         assert_eq!(said, expected);
     }
@@ -515,6 +633,10 @@ velocity = 3
         assert_eq!(limits.assumed_value(Some("y"), "jerk_mm_per_s3"), Some(7.0));
         let all = limits.with_assumed();
         assert_eq!((all.jerk_mm_per_s3, all.axes.y.jerk_mm_per_s3), (Some(400_000.0), Some(7.0)));
+        let turning = format!("{GOOD}[machine.axes.a]\njerk_deg_per_s3 = 8\nvelocity_deg_per_s = 5\nassumed = [\"jerk_deg_per_s3\"]\n");
+        let limits = read_limits("m.toml", &turning).unwrap();
+        assert_eq!((limits.axes.a.jerk_deg_per_s3, limits.axes.a.velocity_deg_per_s), (None, Some(5.0)));
+        assert_eq!(limits.with_assumed().axes.a.jerk_deg_per_s3, Some(8.0));
         for (list, expected) in [
             ("[\"jerk\"]", "`assumed` names \"jerk\", which has no value in [machine]"),
             ("[\"position_increment_mm\"]", "which has no value in [machine]"),

@@ -7,6 +7,7 @@ use crate::curve::Curve;
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 use crate::moves::{Move, MoveKind};
+use crate::side_axes::SideMove;
 use crate::unit::INCH;
 
 /// The contents of a part program or a curve file.
@@ -18,6 +19,8 @@ pub struct Part {
     pub curves: Vec<Curve>,
     /// The moves: `moves[i]` belongs to `curves[i]`.
     pub moves: Vec<Move>,
+    /// How the side axes move along the curves, in the order of the curves. Empty unless one moves while the tool cuts.
+    pub side_moves: Vec<SideMove>,
     /// Moves from an unknown place, in the order of the program. They are not curves, but M3 may stand before or after
     /// them.
     pub approaches: Vec<Approach>,

@@ -1,8 +1,4 @@
-//! Axes other than X, Y and Z: rotary axes, and the extruder of a 3-D printer.
-//!
-//! A rotary or second linear axis (A, B, C, U, V, W) that stays at its place changes nothing. An axis that turns alone,
-//! or in a rapid move, turns the part between two cuts: the machine rests there, and the path goes on in X, Y and Z. An
-//! axis that moves while the tool cuts is refused, since the path would then not be that of X, Y and Z alone.
+//! The extruder of a 3-D printer, and coordinates that say where they count from.
 //!
 //! E is the length of filament that an extruder has pushed. It moves along with the path: the part keeps how far it
 //! gets, and how fast. A block with E alone pushes or pulls filament while the tool rests.
@@ -10,42 +6,15 @@
 use crate::auxiliary::Auxiliary;
 use crate::gcode::block::Block;
 use crate::gcode::known_words::{MAct, m_act_of};
-use crate::gcode::modal::Motion;
-use crate::gcode::other_axes::OTHERS;
 use crate::gcode::reader::Reader;
 use crate::gcode::word::{Count, Key};
 use crate::part::Filament;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
-    /// Takes the words of the other axes.
-    pub(crate) fn other_axes(&mut self, block: &mut Block<'_>) {
+    /// E: the length of filament that the block pushes.
+    pub(crate) fn extruder(&mut self, block: &mut Block<'_>) {
         let is_set = self.placing.is_some();
-        for (index, letter) in OTHERS.into_iter().enumerate() {
-            let Some(word) = block.take_letter(letter) else { continue };
-            let before = self.others.rotary[index];
-            let now = match before {
-                Some(before) if self.modal.incremental && !is_set => before + word.value,
-                _ => word.value,
-            };
-            self.others.rotary[index] = Some(now);
-            let cuts = !matches!(self.modal.motion, Motion::Rapid | Motion::None);
-            // The first number of an axis gives its place, unless the tool cuts on the way there.
-            if is_set || before.unwrap_or(if cuts { 0.0 } else { now }) == now {
-                continue;
-            }
-            let text = self.report.source.slice(word.span);
-            if !cuts {
-                let message = format!("`{text}` turns the part: its path is read as it runs on X, Y and Z");
-                self.report.of_kind(false, word.span, letter, message);
-                let (line, block) = (self.line_of(word.span), self.place(word.span).block);
-                self.part.auxiliary.push(Auxiliary::new(letter, now, line, block));
-            } else {
-                let message = format!("`{text}` moves an axis that is not followed while the tool cuts");
-                let said = self.report.of_kind(!self.options.lenient, word.span, letter, message);
-                said.expected("cuts on X, Y and Z alone");
-            }
-        }
         if let Some(word) = block.take_letter(b'E') {
             self.leave_unheld(word.span, false);
             self.extrude(block, self.modal.mm(word.value), is_set, word.span);

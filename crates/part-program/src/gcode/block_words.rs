@@ -26,7 +26,8 @@ impl Reader<'_, '_, '_> {
         self.count_as_ordered(&mut block);
         self.look_for_points(&block);
         let ends = self.auxiliary(&mut block);
-        self.other_axes(&mut block);
+        self.side_axes(&mut block);
+        self.extruder(&mut block);
         let inverse_feed = self.feed(&mut block, unit_before);
         let unread = self.unread.take().or_else(|| self.shaping_word(&block));
         if unread.is_none()
@@ -39,6 +40,7 @@ impl Reader<'_, '_, '_> {
             self.motion(&mut block, motion.is_some(), inverse_feed);
             self.begin_axes();
         }
+        self.leave_out_side_words();
         self.refuse(block);
         if ends {
             self.close(span);
@@ -48,7 +50,7 @@ impl Reader<'_, '_, '_> {
 
     /// Executes the motion in force; `inverse_feed` is the F word of G93, in 1/min.
     fn motion(&mut self, block: &mut Block<'_>, is_new: bool, inverse_feed: Option<f64>) {
-        if !is_new && block.is_empty() {
+        if !is_new && block.is_empty() && self.others.side.words.is_none() {
             return;
         }
         if self.unread_frames.are_in_force() {
@@ -72,6 +74,7 @@ impl Reader<'_, '_, '_> {
                     .expected("G0, G1, G2, G3 or a spline");
                 block.take_axes();
             }
+            Motion::Line | Motion::Arc { .. } if self.turns_alone(block) => self.turn_alone(),
             Motion::Rapid | Motion::Line if block.has_axis() => self.straight(block, inverse_feed),
             Motion::Arc { clockwise }
                 if is_new || block.has_axis() || b"IJK".iter().any(|c| block.has(*c)) =>
@@ -87,6 +90,12 @@ impl Reader<'_, '_, '_> {
             Motion::Broken => self.pass_over(block),
             _ => {}
         }
+    }
+
+    /// Whether side axes move in a block that moves neither X, Y nor Z.
+    fn turns_alone(&self, block: &Block<'_>) -> bool {
+        let is_arc = matches!(self.modal.motion, Motion::Arc { .. }) && b"IJK".iter().any(|c| block.has(*c));
+        self.others.side.words.is_some() && !block.has_axis() && !is_arc
     }
 
     /// Reports the words that were not taken.

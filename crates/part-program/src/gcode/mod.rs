@@ -22,7 +22,8 @@
 //! | G9, G61 G61.1 G64, of FANUC G62 G63, of Siemens G60 | exact stop at the ends of moves, or not | `preparatory` |
 //! | M S T D H | no effect on the path; listed. M2, M30 and M99 end the program, as the second `%` does | `auxiliary` |
 //! | G65 M98 M99 | subprograms of the same text | `auxiliary`, `flow` |
-//! | A B C U V W, E | other axes, and a printer's filament | `axis_words` |
+//! | A B C U V W | axes beside the path | `side_words` |
+//! | E | a printer's filament | `axis_words` |
 //!
 //! A block has at most one word of each group of G words that exclude one another: G20 with G21 is an error, and so is
 //! G1 with G2.
@@ -68,6 +69,7 @@ mod preparatory;
 mod program;
 mod reader;
 mod scope;
+mod side_words;
 mod siemens;
 mod siemens_arcs;
 mod spline;

@@ -27,6 +27,9 @@ impl Reader<'_, '_, '_> {
         let is_known = self.compensation.is_none() || self.start_is_known(self.modal.plane, span);
         let Some((start, end)) = self.ends(block).filter(|_| is_known) else { return };
         self.approach(before, span);
+        if start == end && self.others.side.words.is_some() {
+            return self.turn_alone();
+        }
         if start == end && self.off_contour.is_none() {
             // A first move gives the place of the tool. A later move to the same place was meant to have a length.
             if self.modal.motion == Motion::Line && self.modal.position == before {
@@ -53,7 +56,9 @@ impl Reader<'_, '_, '_> {
             MoveKind::Rapid => None,
             MoveKind::Feed => {
                 let way = difference(&end, &start);
-                self.feedrate(dot(way, way).sqrt(), inverse_feed, span)
+                let length = dot(way, way).sqrt();
+                let feed = self.feedrate(length, inverse_feed, span);
+                self.feed_beside(length, feed)
             }
         };
         if self.compensation.is_some() {

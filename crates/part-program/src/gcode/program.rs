@@ -8,6 +8,7 @@ use crate::gcode::reader::Reader;
 use crate::gcode::scope::Scope;
 use crate::options::{Dialect, ReadOptions};
 use crate::part::Part;
+use crate::side_axes::SideMove;
 use crate::source::Span;
 use crate::tool_table::ToolTable;
 
@@ -28,6 +29,9 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
     reader.part.left_out = reader.unheld.words().map(|(_, words)| words);
     reader.part.unit_is_assumed = !reader.names_unit && options.unit.is_none();
     part.feedrate_mm_per_s = part.highest_feedrate();
+    if !part.side_moves.iter().any(SideMove::moves) {
+        part.side_moves = Vec::new();
+    }
     if part.curves.is_empty() && !report.has_errors() {
         let cause = report.first_warning().map(|first| format!("line {}: {}", first.line, first.message));
         let error = report.error(Span::new(0, 0), "the program holds no curve");

@@ -24,6 +24,7 @@ use crate::kinds::Kinds;
 use crate::moves::{Move, MoveKind, Shape};
 use crate::options::{Dialect, ReadOptions, Unit};
 use crate::part::Part;
+use crate::side_axes::SideMove;
 use crate::source::Span;
 use crate::tool_table::ToolTable;
 
@@ -233,6 +234,11 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
         self.goes_on = true;
         self.bytes += curve.bytes() + size_of::<Move>();
+        let next = self.part.curves.len();
+        if let Some(side) = self.others.side.along(next, &self.part.side_moves) {
+            self.bytes += size_of::<SideMove>();
+            self.part.side_moves.push(side);
+        }
         let one = Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop: false, line, block };
         self.stops.push(self.part, self.end, curve, one);
     }

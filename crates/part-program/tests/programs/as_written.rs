@@ -79,13 +79,17 @@ fn a_print_is_read_and_its_filament_counted() {
 /// One axis once gave 7,002 lines of messages.
 #[test]
 fn an_axis_that_is_not_followed_is_said_once() {
-    let turned = |count: u32| (1..=count).map(|index| format!("G1 X{index} A{index}\n")).collect::<String>();
-    let errors = read_part("p.nc", &format!("G21 G0 X0 Y0 A0\nG1 F60\n{}", turned(1166))).unwrap_err();
+    let turned = |count: u32| (1..=count).map(|index| format!("X{index} A{index}\n")).collect::<String>();
+    let text = format!("G21 G0 X0 Y0 Z5 A0\nG81 X0 Z-1 R1 F60\n{}", turned(1166));
+    let errors = read_part("p.nc", &text).unwrap_err();
     assert_eq!(errors.count(), 1);
     let error = errors.iter().next().unwrap();
     assert_eq!(
         (error.line, error.message.as_str()),
-        (3, "`A1` moves an axis that is not followed while the tool cuts, and 1,165 more like it")
+        (
+            3,
+            "`A1` moves an axis that is not followed while the tool cuts in this motion, and 1,165 more like it"
+        )
     );
 }
 

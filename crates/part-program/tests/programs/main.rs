@@ -19,4 +19,5 @@ mod moves;
 mod readers;
 mod round_trips;
 mod rounding;
+mod side_axes;
 mod siemens_words;

@@ -92,7 +92,11 @@ const MALFORMED: &[(&str, &str, &str)] = &[
     ("G0 X0\nG1 X5 F0", "2:7", "the feed is 0"),
     ("G0 X0\nG1 X5 F-100", "2:7", "the feed is -100"),
     ("G93 G0 X0\nG1 X5", "2:1", "a move in inverse time feed without F"),
-    ("G0 X0 A0\nG1 X1 A9", "2:7", "`A9` moves an axis that is not followed while the tool cuts"),
+    (
+        "G0 X0 Y0 Z5 A0\nG81 X1 Z-1 R1 F60 A9",
+        "2:19",
+        "`A9` moves an axis that is not followed while the tool cuts in this motion",
+    ),
     ("G0 X0 Y0\nG2 X2 I1 P0", "2:10", "an arc of 0 turns"),
     ("G0 X0\nG1 X99999999", "2:1", "a coordinate is out of range"),
     ("", "1:1", "the program holds no curve"),
