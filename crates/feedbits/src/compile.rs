@@ -25,7 +25,7 @@ use stream::StreamPlace;
 use crate::bounds::expect_an_end;
 use crate::ending::Ending;
 use crate::formats::selected;
-use crate::input::{AnyProblem, Input, in_part};
+use crate::input::{AnyProblem, Input, expect_path_alone, in_part};
 use crate::numbers::{number, whole};
 use crate::places::{Folder, Place};
 use crate::progress::Progress;
@@ -150,6 +150,7 @@ fn compiled<const D: usize>(
 where
     Space: Dimension<D>,
 {
+    expect_path_alone(problem, "compile")?;
     let options = arguments.run.options_for(problem)?;
     if options.engine != Engine::Pieces {
         bail!("a controller runs compiled pieces: give --evaluate pieces, or nothing");

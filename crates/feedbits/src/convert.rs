@@ -13,7 +13,7 @@ use part_program::{
 use path_smooth::{FitOptions, FitReport, Fitted, fit_curves};
 
 use crate::ending::Ending;
-use crate::input::{Input, read_again};
+use crate::input::{Input, expect_no_side_axes, read_again};
 use crate::numbers::{number, whole, within};
 use crate::output;
 use crate::output::counted;
@@ -118,6 +118,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     }
     let place = Place::named("--out", arguments.out.as_deref())?;
     let mut part = arguments.input.part()?;
+    expect_no_side_axes(&part, "what is written")?;
     part.machine = arguments.input.machine_of(&part)?;
     let progress = Progress::spinning("converting");
     let fitted = fitted(&part, arguments)?;

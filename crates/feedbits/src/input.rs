@@ -8,7 +8,7 @@ use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 use domains::options::START;
 use format_compare::{Problem, Refusal};
 use part_program::{
-    Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, Severity, ToolTable, Unit,
+    Diagnostics, Dialect, Machine, Move, MoveKind, Part, ReadOptions, SIDE_AXES, Severity, ToolTable, Unit,
 };
 use secant_interp::crc32;
 
@@ -271,9 +271,45 @@ pub(crate) fn say_warnings(part: &Part) {
     }
 }
 
+/// Refuses a part of which a command would lose the axes that move beside the path.
+pub(crate) fn expect_no_side_axes(part: &Part, what: &str) -> Result<()> {
+    let moves = |axis: usize| part.side_moves.iter().any(|one| one.from[axis] != one.to[axis]);
+    let moved: Vec<_> =
+        (0..SIDE_AXES.len()).filter(|axis| moves(*axis)).map(|axis| SIDE_AXES[axis]).collect();
+    if let Some(letter) = moved.first() {
+        bail!("{}: {letter} moves beside the path, and {what} holds X, Y and Z alone", part.name);
+    }
+    Ok(())
+}
+
+/// Refuses a problem with axes beside the path in what holds the path alone.
+pub(crate) fn expect_path_alone<const D: usize>(problem: &Problem<D>, what: &str) -> Result<()> {
+    if !problem.side_axes.is_empty() {
+        bail!("{what} holds the path of X, Y and Z alone: beside it moves {}", problem.side_axes.letters());
+    }
+    Ok(())
+}
+
+/// Notes which axes move beside the path, and which of their limits the machine does not state.
+fn say_side_axes<const D: usize>(problem: &Problem<D>) {
+    if problem.side_axes.is_empty() {
+        return;
+    }
+    output::note(&format!(
+        "beside the path: {}; the plan keeps their limits, and no verdict is on them",
+        problem.side_axes.letters()
+    ));
+    for key in problem.side_axes.unlimited(&problem.machine) {
+        output::note(&format!(
+            "[machine.axes.{key}] states no limit: that axis takes what the path makes of it"
+        ));
+    }
+}
+
 /// The problem. Notes say what it leaves out and where it differs from the part.
 fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>> {
     let problem = Problem::new(part, machine)?;
+    say_side_axes(&problem);
     say_feeds(part, problem.feedrate_mm_per_s());
     for (count, one, many, why) in [
         (

@@ -19,7 +19,7 @@ use rows::Rows;
 use crate::bounds::{expect_an_end, expect_few_vectors};
 use crate::ending::Ending;
 use crate::formats::selected;
-use crate::input::{AnyProblem, Input, in_part};
+use crate::input::{AnyProblem, Input, expect_path_alone, in_part};
 use crate::numbers::{number, refusal};
 use crate::places::{Folder, Place};
 use crate::progress::Progress;
@@ -89,6 +89,12 @@ fn results<const D: usize>(
 where
     Space: Dimension<D>,
 {
+    if folder.is_some() {
+        expect_path_alone(problem, "--vectors")?;
+    }
+    if !arguments.overrides.is_empty() {
+        expect_path_alone(problem, "--override")?;
+    }
     if let Some(folder) = folder {
         write_vectors(folder, &vectors(problem, arguments)?)?;
     }

@@ -12,7 +12,7 @@ use part_program::Dialect;
 use path_smooth::{Options, ProgramError, Smoothed};
 
 use crate::ending::Ending;
-use crate::input::Input;
+use crate::input::{Input, expect_no_side_axes};
 use crate::numbers::{number, within};
 use crate::output;
 use crate::places::Place;
@@ -61,6 +61,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let out = arguments.out.as_deref().map(|out| Place::named("--out", Some(out))).transpose()?;
     let terminal = Place::terminal()?;
     let (part, machine) = arguments.input.part_and_machine()?;
+    expect_no_side_axes(&part, "a smoothed path")?;
     let outer = match arguments.outer {
         Outer::Loop => CornerStyle::Loop,
         Outer::Cut => CornerStyle::Cut,

@@ -45,6 +45,7 @@ mod refusal;
 mod problem {
     pub(crate) mod least_periods;
     pub(crate) mod problem;
+    pub(crate) mod side_axes;
 }
 
 mod plan {
@@ -125,6 +126,7 @@ pub use plan::plan_summary::{OverLimits, PlanSummary, StageRow, largest_second_d
 pub use plan::samples::FeedSample;
 pub use problem::least_periods::{LeastPeriods, MOST_PERIODS};
 pub use problem::problem::Problem;
+pub use problem::side_axes::SideAxes;
 pub use refusal::Refusal;
 pub use run::c_files::CRequest;
 pub use run::constants::Constants;

@@ -49,6 +49,8 @@ pub enum Refusal {
     },
     /// The interpolator with one global parameter runs a single curve; the path has so many.
     ManyCurves(usize),
+    /// A plan through a window does not see what these axes beside the path leave for it.
+    SideAxesInWindow(String),
     /// A controller has no type of this format.
     NoType(FormatName),
     /// C cannot hold the part.
@@ -102,6 +104,9 @@ impl fmt::Display for Refusal {
             Self::Compile(error) => error.fmt(f),
             Self::CurveAt { part, line, error } => write!(f, "{part}:{line}: {error}"),
             Self::ManyCurves(count) => write!(f, "one global parameter runs one curve, not {count}"),
+            Self::SideAxesInWindow(letters) => {
+                write!(f, "{letters} beside the path: a plan through a window does not keep their limits")
+            }
             Self::NoType(format) => {
                 write!(f, "{format} is no type of a controller: expected a float, or 8, 16, 32 or 64 bits")
             }

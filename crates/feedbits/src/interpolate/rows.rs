@@ -18,9 +18,15 @@ impl<'a> Rows<'a> {
         Self { file, is_json, is_empty: true }
     }
 
-    fn write_head(&mut self) -> Result<()> {
-        let head = "step,time_s,span,t,u,x_mm,y_mm,z_mm,feed_mm_per_s,chord_mm,fluctuation,evaluations\n";
-        self.file.write_all(if self.is_json { b"[" } else { head.as_bytes() })?;
+    fn write_head(&mut self, side_axes: &[(&str, f64)]) -> Result<()> {
+        if self.is_json {
+            self.file.write_all(b"[")?;
+            return Ok(());
+        }
+        let head = "step,time_s,span,t,u,x_mm,y_mm,z_mm,feed_mm_per_s,chord_mm,fluctuation,evaluations";
+        self.file.write_all(head.as_bytes())?;
+        side_axes.iter().try_for_each(|(name, _)| write!(self.file, ",{name}"))?;
+        self.file.write_all(b"\n")?;
         Ok(())
     }
 
@@ -28,7 +34,7 @@ impl<'a> Rows<'a> {
     pub(super) fn write(&mut self, row: &SetpointRow) -> Result<()> {
         let is_first = std::mem::take(&mut self.is_empty);
         if is_first {
-            self.write_head()?;
+            self.write_head(&row.side_axes)?;
         }
         if self.is_json {
             let text = serde_json::to_string_pretty(row)?.replace('\n', "\n  ");
@@ -37,7 +43,7 @@ impl<'a> Rows<'a> {
             return Ok(());
         }
         let [x, y, z] = row.point_mm;
-        writeln!(
+        write!(
             self.file,
             "{},{},{},{},{},{x},{y},{z},{},{},{},{}",
             row.step,
@@ -50,13 +56,15 @@ impl<'a> Rows<'a> {
             row.fluctuation,
             row.evaluations
         )?;
+        row.side_axes.iter().try_for_each(|(_, place)| write!(self.file, ",{place}"))?;
+        self.file.write_all(b"\n")?;
         Ok(())
     }
 
     /// Ends the table.
     pub(super) fn finish(mut self) -> Result<()> {
         if self.is_empty {
-            self.write_head()?;
+            self.write_head(&[])?;
         }
         if self.is_json {
             self.file.write_all(if self.is_empty { b"]\n" } else { b"\n]\n" })?;

@@ -79,7 +79,7 @@ fn machine_with(table: &str, name: &str, value: &str) -> (String, usize) {
     match old.filter(|_| table == "machine") {
         Some(old) => text = text.replace(&old, &line),
         None if table == "machine" => text += &line,
-        None => text += &format!("[machine.axes.x]\n{line}"),
+        None => text += &format!("[machine.axes.{table}]\n{line}"),
     }
     if name == "junction_deviation_mm" {
         text = text.replacen("[machine]\n", "[machine]\njunction = \"deviation\"\n", 1);
@@ -95,7 +95,11 @@ fn machine_with(table: &str, name: &str, value: &str) -> (String, usize) {
 fn each_end_of_each_key_of_a_machine_is_where_the_table_says() {
     let folder = Folder::new();
     let part = folder.file("part.nc", PART);
-    let tables = [("machine", &domains::machine::KEYS[..]), ("axes", &domains::machine::AXIS_KEYS[..])];
+    let tables = [
+        ("machine", &domains::machine::KEYS[..]),
+        ("x", &domains::machine::AXIS_KEYS[..]),
+        ("a", &domains::machine::ROTARY_KEYS[..]),
+    ];
     let keys = tables.iter().flat_map(|(table, keys)| keys.iter().map(move |key| (*table, key)));
     for (table, key) in keys {
         let (inside, outside) = ends(key);
@@ -309,7 +313,7 @@ fn the_tables_of_the_book_are_those_of_the_program() {
         assert!(printed.contains(&markdown(table)), "{}", table.title);
     }
     for (name, titles) in [
-        ("machine-file.md", &["`[machine]`", "`[machine.axes.x]`"][..]),
+        ("machine-file.md", &["`[machine]`", "`[machine.axes.x]`", "`[machine.axes.a]`"][..]),
         ("servo.md", &["`[servo]`"]),
         ("programs.md", &["`[curve]`", "words of a part program"]),
         ("period-cost.md", &["a target file"]),

@@ -23,6 +23,7 @@ mod report;
 mod report_in_browser;
 mod servo;
 mod sets;
+mod side_axes;
 #[cfg(target_os = "linux")]
 mod signals;
 mod smooth;

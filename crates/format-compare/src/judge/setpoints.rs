@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use nurbs_core::Evaluate;
 use real::FormatName;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::judge::judged_run::JudgedRun;
 use crate::judge::judgement::Judgement;
@@ -41,6 +41,14 @@ pub struct SetpointRow {
     pub fluctuation: f64,
     /// Evaluations of the curve.
     pub evaluations: u32,
+    /// Each axis that moves beside the path, as `a_deg` or `u_mm`, with its place.
+    #[serde(flatten, serialize_with = "as_fields")]
+    pub side_axes: Vec<(&'static str, f64)>,
+}
+
+/// The places as fields of their row.
+fn as_fields<S: Serializer>(places: &[(&'static str, f64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(places.iter().copied())
 }
 
 /// An observer that judges the periods, hands on a row for each, in order, and keeps none.
@@ -104,6 +112,7 @@ impl<const D: usize, S: FnMut(&SetpointRow)> Rows<'_, D, S> {
             chord_mm: judged.chord_mm,
             fluctuation: judged.fluctuation(),
             evaluations: step.evaluations,
+            side_axes: self.problem.side_axes.columns(&self.problem.curves, step.curve, u),
         }
     }
 }

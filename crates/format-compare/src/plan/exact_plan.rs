@@ -10,7 +10,7 @@ use feed_plan::{
 use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
 
-use crate::plan::in_format::{exact, in_format, limits_in_format, nearest};
+use crate::plan::in_format::{exact, in_format, in_format_or_most, limits_in_format, nearest};
 use crate::plan::lengths::{self, Lengths, SectionPeriods, section_periods};
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
@@ -56,7 +56,8 @@ fn feed_limit<R: Backend, C: Differentiate<R, D>, const D: usize>(
 ) -> Result<FeedLimit<R>, Refusal> {
     let feed_of = feeds_in_format(problem, limits.feedrate)?;
     let limit = FeedLimit::along_with_stops(curves, limits, &problem.stops);
-    limit.and_then(|limit| limit.capped(feed_of)).map_err(|error| problem.plan_refusal(error))
+    let limit = limit.and_then(|limit| limit.capped(feed_of)).map_err(|error| problem.plan_refusal(error))?;
+    problem.within_side_axes(limit, in_format_or_most)
 }
 
 /// The feeds at both ends of the problem, in mm per period, in the format `R`.
@@ -89,6 +90,7 @@ fn fastest_or<C: Differentiate<f64, D> + Sync, const D: usize>(
     let today = planned(curves, limits, problem, end_feeds_mm_per_s, profile)?.arcs;
     let limit = FeedLimit::without_reserves(curves, limits, &problem.stops)?
         .capped(feeds_in_format(problem, limits.feedrate)?)?;
+    let limit = problem.within_side_axes(limit, in_format_or_most)?;
     Planned::within_axes(&today, limit, curves, limits).map_err(refusal)
 }
 
@@ -159,6 +161,9 @@ impl ExactPlan {
         window_mm: f64,
         profile: ProfileKind,
     ) -> Result<Self, Refusal> {
+        if !problem.side_axes.is_empty() {
+            return Err(Refusal::SideAxesInWindow(problem.side_axes.letters()));
+        }
         let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
         let window = in_format::<R>("window", window_mm)?;
         let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;

@@ -11,6 +11,11 @@ pub(crate) fn in_format<R: Backend>(what: &'static str, value: f64) -> Result<R,
     number.ok_or(Refusal::Limit { what, value, format: R::name() })
 }
 
+/// As [`in_format`], and the largest number where `value` is beyond the range: a limit that limits nothing.
+pub(crate) fn in_format_or_most<R: Backend>(what: &'static str, value: f64) -> Result<R, Refusal> {
+    if value > R::max_value().to_f64_pair().0 { Ok(R::max_value()) } else { in_format(what, value) }
+}
+
 /// Limits in mm and periods in the format `R`.
 pub(crate) fn limits_in_format<R: Backend>(
     limits: &KinematicLimits<f64>,

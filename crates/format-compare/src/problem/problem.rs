@@ -7,7 +7,9 @@
 use feed_plan::{AxisLimits, FeedLimit, Junction, KinematicLimits, PlanError};
 use nurbs_core::{CompileError, CurveError, FastCurve, NurbsBuf};
 use part_program::{Machine, MoveKind, Part, Rest};
+use real::Real;
 
+use crate::problem::side_axes::SideAxes;
 use crate::refusal::Refusal;
 
 /// A path of curves in mm and the machine that is to follow it.
@@ -32,6 +34,8 @@ pub struct Problem<const D: usize> {
     pub gaps: usize,
     /// The largest distance of a printer's filament position from 0, in mm, if the part counts the position.
     pub filament_mm: Option<f64>,
+    /// The axes that move beside the path.
+    pub side_axes: SideAxes,
     /// The machine's limits.
     pub machine: Machine,
 }
@@ -75,10 +79,11 @@ impl<const D: usize> Problem<D> {
                 curve.control_points_mm().iter().map(|point| core::array::from_fn(|d| point[d])).collect();
             NurbsBuf::try_new(curve.degree(), points, curve.weights().to_vec(), curve.knots().to_vec())
         });
-        let curves = curves.collect::<Result<_, _>>()?;
+        let curves = curves.collect::<Result<Vec<_>, _>>()?;
         let (name, machine) = (part.name.clone(), machine.clone());
         let filament_mm = part.filament.map(|filament| filament.greatest_mm.max(-filament.least_mm));
-        Ok(Self {
+        let side_axes = SideAxes::of(part, &indices, &curves);
+        let mut problem = Self {
             name,
             curves,
             feeds_mm_per_s,
@@ -88,8 +93,21 @@ impl<const D: usize> Problem<D> {
             rapids_left_out,
             gaps,
             filament_mm,
+            side_axes,
             machine,
-        })
+        };
+        problem.rest_for_side_axes();
+        Ok(problem)
+    }
+
+    /// Adds the rests that the side axes need.
+    fn rest_for_side_axes(&mut self) {
+        let feed_of = |curve: usize| self.feed_mm_per_s(curve);
+        let mut rests = self.side_axes.stops(&self.machine, feed_of);
+        rests.retain(|curve| *curve < self.curves.len());
+        self.stops.extend(rests);
+        self.stops.sort_unstable();
+        self.stops.dedup();
     }
 
     /// Whether the machine rests before it begins this curve, whatever the directions there.
@@ -161,7 +179,39 @@ impl<const D: usize> Problem<D> {
     ) -> Result<FeedLimit<f64>, PlanError> {
         let limit = FeedLimit::along_with_stops(curves, limits, &self.stops)?;
         let ratio = self.feed_ratios();
-        limit.capped(|curve| limits.feedrate * ratio(curve))
+        let limit = limit.capped(|curve| limits.feedrate * ratio(curve))?;
+        self.within_side_axes(limit, |_, number| Ok(number))
+    }
+
+    /// The limit of the feed, in mm and periods, with what the side axes leave for the path. `number` makes a number of the format, which
+    /// may be infinite.
+    pub(crate) fn within_side_axes<R: Real, E: From<PlanError>>(
+        &self,
+        limit: FeedLimit<R>,
+        number: impl Fn(&'static str, f64) -> Result<R, E>,
+    ) -> Result<FeedLimit<R>, E> {
+        if self.side_axes.is_empty() {
+            return Ok(limit);
+        }
+        let t = self.period_s();
+        let (mut feeds, mut changes, mut joints) = (Vec::new(), Vec::new(), Vec::new());
+        for curve in 0..self.curves.len() {
+            let most = self.side_axes.most(curve, &self.machine, &self.stops);
+            feeds.push(number("velocity of a side axis", most.feed * t)?);
+            changes.push((
+                number("acceleration of a side axis", most.acceleration * t.powi(2))?,
+                number("jerk of a side axis", most.jerk * t.powi(3))?,
+            ));
+            let joint = self.side_axes.feed_before(curve, &self.machine);
+            joints.push(if self.rests_before(curve) {
+                R::max_value()
+            } else {
+                number("velocity jump of a side axis", joint * t)?
+            });
+        }
+        let limit = limit.capped(|curve| feeds.get(curve).copied().unwrap_or_else(R::max_value))?;
+        let limit = limit.allowing(|curve| changes.get(curve).copied());
+        Ok(limit.passing_joints(|curve| joints.get(curve).copied()))
     }
 
     /// The interpolation period T, in s.

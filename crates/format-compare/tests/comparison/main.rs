@@ -18,6 +18,7 @@ mod problem;
 mod recorded_runs;
 mod requirements;
 mod samples;
+mod side_axes;
 mod still_places;
 mod stream;
 mod trace;
