@@ -14,7 +14,7 @@ use crate::judge::judged_run::JudgedRun;
 use crate::judge::reference::Reference;
 use crate::judge::requirement::Requirement;
 use crate::problem::problem::Problem;
-use crate::run::formats::{Dimension, Space, format_named, plan_for};
+use crate::run::formats::{Dimension, Space, plan_for};
 use crate::run::observer::Observer;
 use crate::run::options::{Engine, Options, PlanIn};
 
@@ -136,7 +136,7 @@ fn run<const D: usize>(
 where
     Space: Dimension<D>,
 {
-    let format = format_named(&f64::name().to_string())?;
+    let format = Space::format(f64::name())?;
     if options.is_interrupted() {
         return None;
     }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::marker::PhantomData;
 
 use c_code::CFiles;
-use real::{Backend, FormatName, RuntimeFixed, RuntimeFormat, Work, in_few_backends};
+use real::{Backend, FormatName, I4F28, I4F60, RuntimeFixed, RuntimeFormat, Work, in_few_backends};
 use secant_interp::StreamHeader;
 use target_cost::RecordedRun;
 
@@ -184,11 +184,10 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         request: &CRequest,
     ) -> Result<CFiles, Refusal> {
-        let job = Job::new(problem, plan, options);
-        if request.is_description {
-            return self.within(|| c_files::c_files::<R, D>(&job, request));
-        }
-        in_few_backends::<FEW, _>(self.within(R::name), WritingC { job, request })
+        in_few_backends::<FEW, _>(
+            self.within(R::name),
+            WritingC { job: Job::new(problem, plan, options), request },
+        )
     }
 
     fn stream(
@@ -294,12 +293,12 @@ impl<const D: usize> Work for WritingVectors<'_, D> {
 
 /// The spaces for which formats are compiled: the plane, `D = 2`, and space, `D = 3`.
 ///
-/// Both are compiled here, once, and not again in every crate that compares formats: for each format, that is an
-/// interpolator, plain and audited.
+/// Both are compiled here, once, and not again in every crate that compares formats: for each compiled format, that is an
+/// interpolator.
 pub trait Dimension<const D: usize> {
-    /// Every built-in format, narrow before wide, fixed point before float: the order of rising cost on an unknown
-    /// target.
-    fn formats() -> Vec<Box<dyn Format<D>>>;
+    /// The format of this name, if a part can be run in it. Floats and one fixed-point format of each word are compiled;
+    /// every other is the run-time format, whose every operation gives the same bits.
+    fn format(name: FormatName) -> Option<Box<dyn Format<D>>>;
 
     /// A format chosen at run time; it can be compared like any other.
     fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<D>>;
@@ -310,8 +309,8 @@ pub trait Dimension<const D: usize> {
 pub struct Space;
 
 impl Dimension<2> for Space {
-    fn formats() -> Vec<Box<dyn Format<2>>> {
-        built_in()
+    fn format(name: FormatName) -> Option<Box<dyn Format<2>>> {
+        compiled(name).or_else(|| RuntimeFormat::of(name).map(Self::at_run_time))
     }
 
     fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<2>> {
@@ -320,8 +319,8 @@ impl Dimension<2> for Space {
 }
 
 impl Dimension<3> for Space {
-    fn formats() -> Vec<Box<dyn Format<3>>> {
-        built_in()
+    fn format(name: FormatName) -> Option<Box<dyn Format<3>>> {
+        compiled(name).or_else(|| RuntimeFormat::of(name).map(Self::at_run_time))
     }
 
     fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<3>> {
@@ -333,38 +332,50 @@ fn of<R: Backend + 'static, const D: usize>(at_run_time: Option<RuntimeFormat>) 
     Box::new(Of::<R>(at_run_time, PhantomData))
 }
 
-fn built_in<const D: usize>() -> Vec<Box<dyn Format<D>>> {
-    vec![
-        of::<real::I16F16, D>(None),
-        of::<real::I8F24, D>(None),
-        of::<real::I4F28, D>(None),
-        of::<real::I3F29, D>(None),
-        of::<real::I2F30, D>(None),
-        of::<f32, D>(None),
-        of::<real::I32F32, D>(None),
-        of::<real::I16F48, D>(None),
-        of::<real::I4F60, D>(None),
-        of::<f64, D>(None),
-    ]
+/// The format of this name, if it is compiled.
+fn compiled<const D: usize>(name: FormatName) -> Option<Box<dyn Format<D>>> {
+    const WORD_OF_32_BITS: FormatName = FormatName::fixed(4, 28);
+    const WORD_OF_64_BITS: FormatName = FormatName::fixed(4, 60);
+    match name {
+        FormatName::Float { bits: 32 } => Some(of::<f32, D>(None)),
+        FormatName::Float { bits: 64 } => Some(of::<f64, D>(None)),
+        WORD_OF_32_BITS => Some(of::<I4F28, D>(None)),
+        WORD_OF_64_BITS => Some(of::<I4F60, D>(None)),
+        _ => None,
+    }
 }
 
-/// [`Dimension::formats`] for `D` dimensions.
+/// The names of the built-in formats, narrow before wide, fixed point before float: the order of rising cost on an
+/// unknown target.
+const BUILT_IN: [FormatName; 10] = [
+    FormatName::fixed(16, 16),
+    FormatName::fixed(8, 24),
+    FormatName::fixed(4, 28),
+    FormatName::fixed(3, 29),
+    FormatName::fixed(2, 30),
+    FormatName::Float { bits: 32 },
+    FormatName::fixed(32, 32),
+    FormatName::fixed(16, 48),
+    FormatName::fixed(4, 60),
+    FormatName::Float { bits: 64 },
+];
+
+/// Every built-in format, narrow before wide, fixed point before float: the order of rising cost on an unknown target.
 #[must_use]
 pub fn formats<const D: usize>() -> Vec<Box<dyn Format<D>>>
 where
     Space: Dimension<D>,
 {
-    Space::formats()
+    BUILT_IN.into_iter().filter_map(Space::format).collect()
 }
 
-/// The format with this name. A format such as `I5F13` that is not built in is made at run time.
+/// The format with this name. A format such as `I5F13` that is not built in can be run too.
 #[must_use]
 pub fn format_named<const D: usize>(name: &str) -> Option<Box<dyn Format<D>>>
 where
     Space: Dimension<D>,
 {
-    let built_in = formats().into_iter().find(|format| format.name().to_string() == name);
-    built_in.or_else(|| RuntimeFormat::named(name).map(Space::at_run_time))
+    FormatName::named(name).and_then(Space::format)
 }
 
 /// The [formats with these names](format_named), each once, narrow before wide.
@@ -418,7 +429,7 @@ where
     Space: Dimension<D>,
 {
     let PlanIn::Format(name) = options.plan_in else { return format.plan(problem, options) };
-    let planner = format_named(&name.to_string());
+    let planner = Space::format(name);
     let planned = planner.as_deref().unwrap_or(format).plan(problem, options);
     let is_asked_for = options.plan_in != PlanIn::default();
     planned.map_err(|why| if is_asked_for { Refusal::PlanIn(name, Box::new(why)) } else { why })

@@ -80,18 +80,11 @@ where
     let job = Job::new(problem, plan, &options);
     let trial = Trial::new(&job, *datapath)?;
     trial.watch_hardest(runs);
-    let run = |format: &FormatName| match trial.tried(at_run_time(*format)?) {
+    let run = |format: &FormatName| match trial.tried(RuntimeFormat::of(*format)?) {
         Tried::Good(run) => Some(*run),
         Tried::Broken | Tried::Refused => None,
     };
     Ok(formats.iter().map(run).collect())
-}
-
-fn at_run_time(format: FormatName) -> Option<RuntimeFormat> {
-    let FormatName::Fixed { fraction_bits, datapath: Datapath { rounding, overflow }, .. } = format else {
-        return None;
-    };
-    RuntimeFormat::new(format.bits(), fraction_bits, rounding, overflow)
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use crate::judge::not_of_format::is_beyond_rounding;
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
-use crate::run::formats::{Dimension, Space, format_named};
+use crate::run::formats::{Dimension, Space};
 use crate::run::job::Job;
 use crate::run::options::{Engine, Options};
 use crate::size::trial::{Trial, Tried, WIDTHS, search_options};
@@ -133,7 +133,7 @@ where
     let name = f64::name();
     let is_f64 = |run: &&JudgedRun| run.engine == Engine::Pieces && run.format == name.to_string();
     let again = || {
-        let format = format_named::<D>(&name.to_string())?;
+        let format = Space::format(name)?;
         trial.judged(name, |observer| format.run_job(trial.job, observer)).ok()
     };
     let Some(run) = runs.iter().find(is_f64).cloned().or_else(again) else { return Vec::new() };
