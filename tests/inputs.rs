@@ -42,6 +42,7 @@ pub fn on_paper_as_machine<const D: usize>(name: &str, curve: NurbsBuf<f64, D>) 
         rapids_left_out: 0,
         gaps: 0,
         filament_mm: None,
+        side_axes: format_compare::SideAxes::default(),
         machine: machine(),
     }
 }

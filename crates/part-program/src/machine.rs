@@ -488,7 +488,8 @@ fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> (Axe
     let mut assumed = Vec::new();
     let mut linear = |key| axis_from(report, (header, table), key, (&AXIS_KEYS, linear_limits), &mut assumed);
     let [x, y, z, u, v, w] = ["x", "y", "z", "u", "v", "w"].map(&mut linear);
-    let mut rotary = |key| axis_from(report, (header, table), key, (&ROTARY_KEYS, rotary_limits), &mut assumed);
+    let mut rotary =
+        |key| axis_from(report, (header, table), key, (&ROTARY_KEYS, rotary_limits), &mut assumed);
     let [a, b, c] = ["a", "b", "c"].map(&mut rotary);
     let axes = Axes { x, y, z, a, b, c, u, v, w };
     let mut keys = TableReader::new(report, "[machine.axes]", header, table);
@@ -633,7 +634,9 @@ velocity = 3
         assert_eq!(limits.assumed_value(Some("y"), "jerk_mm_per_s3"), Some(7.0));
         let all = limits.with_assumed();
         assert_eq!((all.jerk_mm_per_s3, all.axes.y.jerk_mm_per_s3), (Some(400_000.0), Some(7.0)));
-        let turning = format!("{GOOD}[machine.axes.a]\njerk_deg_per_s3 = 8\nvelocity_deg_per_s = 5\nassumed = [\"jerk_deg_per_s3\"]\n");
+        let turning = format!(
+            "{GOOD}[machine.axes.a]\njerk_deg_per_s3 = 8\nvelocity_deg_per_s = 5\nassumed = [\"jerk_deg_per_s3\"]\n"
+        );
         let limits = read_limits("m.toml", &turning).unwrap();
         assert_eq!((limits.axes.a.jerk_deg_per_s3, limits.axes.a.velocity_deg_per_s), (None, Some(5.0)));
         assert_eq!(limits.with_assumed().axes.a.jerk_deg_per_s3, Some(8.0));
