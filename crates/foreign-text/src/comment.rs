@@ -41,11 +41,34 @@ mod tests {
             && !acts.iter().any(|one| text.contains(one))
     }
 
+    /// Where a compiler of C sees the end of the comment with which `text` begins: trigraphs are replaced and lines joined first.
+    fn end_of_comment(text: &str, end: &str) -> Option<usize> {
+        let replaced = text.replace("??/", "\\");
+        let joined = replaced.replace("\\\r\n", "").replace("\\\n", "");
+        joined.get(2..)?.find(end).map(|at| 2 + at + end.len()).filter(|_| joined.len() == text.len())
+    }
+
+    /// The comments of C that hold a text, with code behind them, end where they were written to end.
+    fn ends_where_it_should(text: &str) -> bool {
+        let (block, line) = (format!("/* {text} */"), format!("// {text}\n"));
+        end_of_comment(&format!("{block}int x;\n"), "*/") == Some(block.len())
+            && end_of_comment(&format!("{line}int x;\n"), "\n") == Some(line.len())
+    }
+
     #[test]
     fn no_name_ends_a_comment() {
-        for name in NAMES.into_iter().chain(["a */ int x; /* b", "*/*/", "*\\", "\\*/", "what??/", "end\\"]) {
-            assert!(is_harmless(&in_a_comment(name)), "{name:?}");
+        let hostile = ["a */ int x; /* b", "*/*/", "*\\\n/", "*??/\n/", "what??/", "end\\", "line\nint x;"];
+        // As they are, these do: the rules above see it.
+        for name in hostile {
+            assert!(!ends_where_it_should(name) && !is_harmless(name), "{name:?}");
         }
+        let mut would = 0;
+        for name in NAMES.into_iter().chain(hostile).chain(["*\\", "\\*/"]) {
+            would += u32::from(!ends_where_it_should(name));
+            let named = in_a_comment(name);
+            assert!(is_harmless(&named) && ends_where_it_should(&named), "{name:?}");
+        }
+        assert!(would >= 12, "{would} of the names would end a comment");
     }
 
     proptest! {
@@ -53,7 +76,7 @@ mod tests {
         fn no_text_ends_a_comment(text in ".*", odd in r"[*/\\?%{}#\r\n-]{0,9}") {
             for text in [&text, &odd, &format!("{odd}{text}{odd}")] {
                 let once = in_a_comment(text);
-                prop_assert!(is_harmless(&once), "{once:?}");
+                prop_assert!(is_harmless(&once) && ends_where_it_should(&once), "{once:?}");
                 prop_assert_eq!(&in_a_comment(&once), &once);
                 prop_assert!(once.len() <= text.len());
             }
