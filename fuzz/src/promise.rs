@@ -3,15 +3,13 @@
 
 #![forbid(unsafe_code)]
 
-mod stream;
-
+use kernel_oracle::KernelFault;
 use part_program::{
     Curve, Dialect, MoveKind, Part, ReadOptions, inspect, read_part, read_part_bytes, write_curves,
     write_g5_2, write_g06_2,
 };
 use real::Backend;
 use secant_interp::Method;
-pub use stream::{reads_stream, sealed};
 use stress::{OnCurve, OnPieces, PlannedPath, RandomPath, Violation};
 
 /// The longest plan that a fuzzer has time for.
@@ -23,6 +21,14 @@ pub const MOST_PERIODS: u32 = 2_000;
 /// When a promise is broken.
 pub fn expect<T>(checked: Result<T, Violation>) -> T {
     checked.unwrap_or_else(|violation| panic!("{violation}"))
+}
+
+/// The value of a check of a kernel.
+///
+/// # Panics
+/// When a result is not the right one.
+pub fn right<T>(checked: Result<T, KernelFault>) -> T {
+    checked.unwrap_or_else(|fault| panic!("{fault}"))
 }
 
 /// Plans and runs the path that `bytes` stand for in the format `R`, on pieces and on the global parameter.

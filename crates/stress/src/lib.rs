@@ -29,6 +29,7 @@ mod step_bound;
 mod violation;
 
 pub use generate::{RandomPath, any_curve, any_number};
+pub use kernel_oracle::Violation;
 pub use named_paths::{bezier, curves_at, lines, paper_a, passing, polyline, ten_points};
 pub use on_curve::{CurveFigures, OnCurve};
 pub use on_pieces::{OnPieces, PieceFigures};
@@ -40,4 +41,4 @@ pub use soak::{
 };
 pub use split_mix::SplitMix64;
 pub use step_bound::{StepBound, StepShape};
-pub use violation::{Outcome, Violation};
+pub use violation::Outcome;

@@ -1,12 +1,13 @@
 //! A run on one curve with its global parameter; each step is checked.
 
 use feed_plan::{Schedule, Stage};
+use kernel_oracle::{Violation, demand};
 use nurbs_core::{Differentiate, Evaluate, NurbsBuf};
 use real::{Backend, FormatName, Real};
 use secant_interp::{Interpolator, Method, Outcome as Ending, Tolerance};
 
 use crate::PlannedPath;
-use crate::violation::{Outcome, Violation, demand};
+use crate::violation::Outcome;
 
 /// A curve and its plan in `R`, ready to run.
 pub struct OnCurve<'a, R, const D: usize> {

@@ -1,17 +1,18 @@
 //! A run on compiled pieces; each step is checked.
 
 use feed_plan::{Junction, Schedule};
+use kernel_oracle::{ChordBound, PieceJudge, RIGHT_ANGLE, Violation, demand, most_turn};
 use nurbs_core::ORIGIN_EXPONENT;
-use real::{Backend, Counted, FormatName, OperationCounts, Real};
+use real::{Backend, Counted, OperationCounts, Real};
 use secant_interp::{
     BEHIND_JOINT, ChordTolerance, CompiledPath, LengthStage, PieceInterpolator, PieceSetpoint,
 };
 
 use crate::PlannedPath;
 use crate::next_setpoint::next_setpoint;
-use crate::piece_points::{Judge, compiled};
+use crate::piece_points::{compiled, judge};
 use crate::step_bound::{StepBound, StepShape};
-use crate::violation::{Outcome, Violation, demand};
+use crate::violation::Outcome;
 
 /// Path, plan and tolerances in `R`, ready to run.
 pub struct OnPieces<'a, R, const D: usize> {
@@ -91,14 +92,14 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
     /// # Errors
     /// The first promise that is broken.
     pub fn run(&self) -> Result<Outcome<PieceFigures>, Violation> {
-        match Judge::new(self.planned) {
+        match judge(self.planned) {
             Ok(judge) => self.run_judged(&judge),
             Err(refusal) => Ok(Outcome::Refused(refusal)),
         }
     }
 
     /// Runs the path against a judge that the caller has already made.
-    pub(crate) fn run_judged(&self, judge: &Judge<D>) -> Result<Outcome<PieceFigures>, Violation> {
+    pub(crate) fn run_judged(&self, judge: &PieceJudge<D>) -> Result<Outcome<PieceFigures>, Violation> {
         let mut steps = Steps::new(self, judge);
         for (section, interpolator) in self.path.sections().iter().zip(self.path.runs()) {
             let mut state = interpolator.start();
@@ -170,47 +171,17 @@ fn most_stages_in_a_period<R>(stages: &[LengthStage<R>]) -> usize {
 /// Checks step after step.
 struct Steps<'a, R, const D: usize> {
     run: &'a OnPieces<'a, R, D>,
-    judge: &'a Judge<D>,
+    judge: &'a PieceJudge<D>,
     name: String,
     at: (usize, u64),
     worst: PieceFigures,
-    units: LengthUnits,
+    bound: ChordBound,
     /// The distance in mm that the run may be from its plan since it last landed.
     adrift: f64,
     /// The part of that distance that is not rounding: it comes from steps that were not found.
     astray: f64,
 }
 
-/// The units for the difference between a chord and the wanted chord.
-///
-/// A chord of L units (of 2⁻λ mm) is the root of a residual of order one. Each term of the residual is rounded to the
-/// format's resolution r. So the chord has a relative error of a few r. L itself is a multiple of r in fixed point, and
-/// has a relative error of r in a float. Together `|chord - L| ≤ (ABSOLUTE + relative(p) L) r` in fixed point,
-/// `relative(p) L r` in a float. The terms for degree p take p(p + 1)/2 sums, each rounded in units up to four times
-/// those of the chord. With weights they take as many sums again, whose roundings are multiplied by offsets of the
-/// order of the chord's units. With weights all of that is divided by W, which on a piece falls to no less than two
-/// thirds.
-struct LengthUnits {
-    resolution: f64,
-    is_fixed: bool,
-    chord: f64,
-}
-
-/// See [`LengthUnits`].
-const ABSOLUTE: f64 = 8.0;
-/// See [`LengthUnits`].
-fn relative(degree: usize, is_rational: bool) -> f64 {
-    let sums = degree * (degree + 1) / 2 * (1 + usize::from(is_rational));
-    (40 + 4 * sums).max(64) as f64
-}
-/// See [`LengthUnits`].
-const FALLING_WEIGHT: f64 = 1.5;
-/// Cosine of the turn within a step. If the path turns by more, the chord is not always found: the path comes back, and
-/// the chord shrinks before it grows.
-const RIGHT_ANGLE: f64 = 0.0;
-/// The same cosine for a step on one piece: steps per chord are limited to a sixteenth above that of the piece's
-/// slowest point.
-const SIXTY_DEGREES: f64 = 0.5;
 /// Cosine of a turn of 0.1° at a joint. Up to this turn the chord over the joint is checked against the chord error;
 /// over a sharper one against the deviation, if the plan does not stop there.
 const SMOOTH: f64 = 1.0 - 1.5e-6;
@@ -235,15 +206,11 @@ fn fraction(phase: u64) -> f64 {
 }
 
 impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
-    fn new(run: &'a OnPieces<'a, R, D>, judge: &'a Judge<D>) -> Self {
+    fn new(run: &'a OnPieces<'a, R, D>, judge: &'a PieceJudge<D>) -> Self {
         let pieces = run.path.table().as_pieces();
-        let units = LengthUnits {
-            resolution: R::resolution().to_f64(),
-            is_fixed: matches!(R::name(), FormatName::Fixed { .. }),
-            chord: 1.0_f64.ldexp(-pieces.chord_exponent),
-        };
+        let bound = ChordBound::of(&pieces);
         let worst = PieceFigures::default();
-        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units, adrift: 0.0, astray: 0.0 }
+        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, bound, adrift: 0.0, astray: 0.0 }
     }
 
     fn check(&mut self, setpoint: &PieceSetpoint<R, D>, lands: bool) -> Result<(), Violation> {
@@ -262,8 +229,8 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         demand("a setpoint that is no number", &self.name, step, f64::from(u8::from(!finite)), 0.0)?;
 
         let limits = &planned.path.limits;
-        let wanted = setpoint.length.to_f64() * self.units.chord;
-        let resolution = self.units.resolution * if self.units.is_fixed { self.units.chord } else { wanted };
+        let wanted = self.bound.in_mm(setpoint.length);
+        let resolution = self.bound.resolution_mm(wanted);
         let longest = limits.feedrate * (1.0 + FEED_SLACK) + 2.0 * resolution;
         let feed = demand(
             "wanted chord, mm",
@@ -279,7 +246,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         worst.evaluations_share = worst.evaluations_share.max(share);
         worst.feed_share = worst.feed_share.max(feed);
         self.at = to;
-        if to.0 < self.judge.len() {
+        if to.0 < self.judge.piece_count() {
             let converged = setpoint.evaluations < self.run.interpolator().tolerance.max_evaluations;
             self.check_chord(step, from, to, wanted, (converged, lands))?;
         }
@@ -293,8 +260,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
     /// Number of periods after which the run must be over. Each period may lose a few units of a fixed format. The run
     /// travels the sum of these losses in landing steps, or in steps of one unit where that is longer.
     fn most_periods(&self) -> f64 {
-        let landing = self.run.interpolator().landing_step.to_f64().max(self.units.resolution);
-        let lost = if self.units.is_fixed { ABSOLUTE * self.units.resolution / landing } else { 0.0 };
+        let lost = self.bound.lost_in_a_period(self.run.interpolator().landing_step);
         let planned = self.run.planned;
         (planned.most_periods() as f64).max(planned.periods() as f64 * (1.0 + lost))
     }
@@ -311,17 +277,12 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let (from, to) = ((from.0, fraction(from.1)), (to.0, fraction(to.1)));
         let (start, end) = (self.judge.point(from.0, from.1, from.0), self.judge.point(to.0, to.1, from.0));
         let chord = self.judge.step_length(from, to);
-        let units = &self.units;
-        let absolute = if units.is_fixed { ABSOLUTE * units.chord } else { 0.0 };
-        let joints = (to.0 - from.0) as f64;
-        let resolution = units.resolution * if units.is_fixed { units.chord } else { wanted };
+        let joints = to.0 - from.0;
+        let resolution = self.bound.resolution_mm(wanted);
         let piece = self.run.planned.path.piece_mm;
-        let table = self.run.path.table().as_pieces();
-        let relative = relative(table.degree, table.is_rational());
-        let falling = if table.is_rational() { FALLING_WEIGHT } else { 1.0 };
-        let bound = (absolute + relative * wanted) * falling * units.resolution * (1.0 + joints)
+        let bound = self.bound.chord_mm(wanted, joints)
             + JUDGE * piece
-            + if joints > 0.0 {
+            + if joints > 0 {
                 4.0 * 1.0_f64.ldexp(ORIGIN_EXPONENT)
             } else {
                 // Phases are converted to f64: where a piece is fast, a unit of their last place is a noticeable
@@ -329,8 +290,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
                 2.0 * f64::EPSILON * chord / (to.1 - from.1).max(f64::MIN_POSITIVE)
             };
         let (turn, in_all) = self.judge.turns(from, to);
-        let most_turn = if joints > 0.0 { RIGHT_ANGLE } else { SIXTY_DEGREES };
-        let is_found = converged && !lands && in_all > most_turn;
+        let is_found = converged && !lands && in_all > most_turn(joints);
         if is_found {
             let share =
                 demand("chord off the wanted one, mm", &self.name, step, (chord - wanted).abs(), bound)?;
@@ -379,7 +339,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
 
     fn finish(self) -> Result<PieceFigures, Violation> {
         let steps = usize::try_from(self.worst.periods).unwrap_or(usize::MAX);
-        let missing = f64::from(u8::from(self.at != (self.judge.len(), 0)));
+        let missing = f64::from(u8::from(self.at != (self.judge.piece_count(), 0)));
         demand("the end is missed", &self.name, steps, missing, 0.0)?;
         Ok(self.worst)
     }

@@ -1,10 +1,10 @@
 //! The plan of a random path, and a check of its promises.
 
 use feed_plan::{EndFeeds, FeedLimit, Planned, ScheduleBuf, Stage, plan_with};
+use kernel_oracle::{PlanPromises, Violation};
 use nurbs_core::FastCurve;
 
 use crate::RandomPath;
-use crate::violation::{Violation, demand};
 
 /// A path with its plan, made in f64.
 #[derive(Debug)]
@@ -20,9 +20,6 @@ pub struct PlannedPath<'a, const D: usize> {
     /// By which factor the path is run slower than planned.
     slower: u32,
 }
-
-/// The rounding that is allowed in a quantity of the plan: 10⁻¹² is promised, over some hundred stages.
-const ROUNDING: f64 = 1e-9;
 
 impl<'a, const D: usize> PlannedPath<'a, D> {
     /// Plans from rest to rest; `None` for a path that is refused or takes more than `most_periods` periods.
@@ -90,72 +87,7 @@ impl<'a, const D: usize> PlannedPath<'a, D> {
     /// # Errors
     /// The first promise that is broken.
     pub fn check(&self) -> Result<(), Violation> {
-        let limits = &self.path.limits;
-        let plan = self.arcs.as_schedule();
-        let rounded = |bound: f64| bound * (1.0 + ROUNDING);
-        let (mut feed, mut distance) = (0.0, 0.0);
-        let feed_unit = ROUNDING * limits.feedrate;
-        for (index, stage) in plan.stages().iter().enumerate() {
-            let piece = stage.piece();
-            demand(
-                "a stage begins with the feed before it",
-                "f64",
-                index,
-                (stage.start_feed - feed).abs(),
-                feed_unit,
-            )?;
-            demand(
-                "a stage begins where the one before ends",
-                "f64",
-                index,
-                (stage.start - distance).abs(),
-                ROUNDING * (1.0 + plan.length()),
-            )?;
-            demand("feed", "f64", index, stage.start_feed.max(stage.end_feed), rounded(limits.feedrate))?;
-            demand("no feed is negative", "f64", index, -stage.start_feed.min(stage.end_feed), 0.0)?;
-            demand(
-                "acceleration",
-                "f64",
-                index,
-                piece.peak_acceleration().abs(),
-                rounded(limits.acceleration),
-            )?;
-            demand("jerk", "f64", index, piece.peak_jerk().abs(), rounded(limits.jerk))?;
-            (feed, distance) = (stage.end_feed, stage.start + stage.length);
-            for sample in 0..=100 {
-                let time = stage.duration * f64::from(sample) / 100.0;
-                let at = stage.start + stage.distance_at(time);
-                // Where the limit jumps, the values on both sides are allowed: rounding decides on which side a place
-                // lies.
-                let near = ROUNDING * (1.0 + plan.length());
-                let allowed =
-                    self.limit.at(at).max(self.limit.at((at - near).max(0.0))).max(self.limit.at(at + near));
-                demand(
-                    "feed under the limit",
-                    "f64",
-                    index,
-                    stage.feed_at(time),
-                    allowed * (1.0 + 1e-6) + feed_unit,
-                )?;
-            }
-        }
-        demand("the plan ends at rest", "f64", plan.stages().len(), feed, feed_unit)?;
-        let length = self.limit.length();
-        demand(
-            "the plan ends at the end",
-            "f64",
-            plan.stages().len(),
-            (distance - length).abs(),
-            ROUNDING * (1.0 + length),
-        )?;
-        let periods = plan.periods() as f64;
-        demand(
-            "the plan takes whole periods",
-            "f64",
-            0,
-            (plan.duration() - periods).abs(),
-            ROUNDING * (1.0 + periods),
-        )?;
-        Ok(())
+        PlanPromises { limit: &self.limit, limits: &self.path.limits, places: 100 }
+            .check(&self.arcs.as_schedule())
     }
 }

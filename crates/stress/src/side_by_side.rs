@@ -1,12 +1,13 @@
 //! A comparison of a fixed format with a float, period by period.
 
+use kernel_oracle::{Violation, demand};
 use nurbs_core::ORIGIN_EXPONENT;
 use real::{Backend, FormatName, Real};
 
 use crate::next_setpoint::next_setpoint;
 use crate::on_pieces::JUDGE;
-use crate::piece_points::Judge;
-use crate::violation::{Outcome, Violation, demand};
+use crate::piece_points::judge;
+use crate::violation::Outcome;
 use crate::{OnPieces, PlannedPath};
 
 /// What two runs side by side came to.
@@ -32,7 +33,7 @@ pub fn check_against_float<R: Backend, const D: usize>(
         (Ok(fixed), Ok(float)) => (fixed, float),
         (Err(refusal), _) | (_, Err(refusal)) => return Ok(Outcome::Refused(refusal)),
     };
-    let judge = match Judge::new(planned) {
+    let judge = match judge(planned) {
         Ok(judge) => judge,
         Err(refusal) => return Ok(Outcome::Refused(refusal)),
     };
@@ -57,7 +58,7 @@ pub fn check_against_float<R: Backend, const D: usize>(
         let to = [(a.piece, a.phase), (b.piece, b.phase)];
         let ahead = to[0].max(to[1]);
         let place = |(piece, phase): (usize, u64)| (piece, f64::from_phase(phase, 0));
-        if ahead.0 >= judge.len() {
+        if ahead.0 >= judge.piece_count() {
             break;
         }
         let cosine = judge.turns(place(from[0].min(from[1])), place(ahead)).1;

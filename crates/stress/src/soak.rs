@@ -1,13 +1,14 @@
 //! A soak: runs path after path from a seed, each in many formats, until each format has made a given number of
 //! periods.
 
+use kernel_oracle::{PieceJudge, Violation};
 use real::{
     Backend, Counted, I2F30, I3F29, I4F28, I4F60, I8F24, I16F16, I16F48, I32F32, RuntimeFixed, RuntimeFormat,
 };
 use serde::{Deserialize, Serialize};
 
-use crate::piece_points::{Judge, compiled};
-use crate::violation::{Outcome, Violation};
+use crate::piece_points::{compiled, judge};
+use crate::violation::Outcome;
 use crate::{OnPieces, PieceFigures, PlannedPath, RandomPath, SplitMix64};
 
 /// Number of bytes from which a path is drawn.
@@ -24,7 +25,7 @@ type Run = Result<Outcome<PieceFigures>, Violation>;
 struct InFormat<const D: usize> {
     /// Whether the path's pieces fit the format.
     fits: fn(&RandomPath<D>, Option<RuntimeFormat>) -> bool,
-    run: fn(&PlannedPath<'_, D>, &Judge<D>, Option<RuntimeFormat>) -> Run,
+    run: fn(&PlannedPath<'_, D>, &PieceJudge<D>, Option<RuntimeFormat>) -> Run,
 }
 
 impl<const D: usize> InFormat<D> {
@@ -81,7 +82,7 @@ fn fit_at_run_time<const D: usize>(path: &RandomPath<D>, format: Option<RuntimeF
 
 fn run<R: Backend, const D: usize>(
     planned: &PlannedPath<'_, D>,
-    judge: &Judge<D>,
+    judge: &PieceJudge<D>,
     _: Option<RuntimeFormat>,
 ) -> Run {
     match OnPieces::<R, D>::new(planned) {
@@ -92,7 +93,7 @@ fn run<R: Backend, const D: usize>(
 
 fn run_at_run_time<const D: usize>(
     planned: &PlannedPath<'_, D>,
-    judge: &Judge<D>,
+    judge: &PieceJudge<D>,
     format: Option<RuntimeFormat>,
 ) -> Run {
     let Some(format) = format else { return Ok(Outcome::Refused("no such format".to_string())) };
@@ -278,7 +279,7 @@ fn soaked<const D: usize>(
     if let Err(violation) = planned.check() {
         broken(&violation);
     }
-    let Ok(judge) = Judge::new(&planned) else { return soaked };
+    let Ok(judge) = judge(&planned) else { return soaked };
     for (format, (doing, runtime)) in fitting {
         match (doing.run)(&planned, &judge, runtime) {
             Ok(Outcome::Ran(figures)) => soaked.runs[format] = SoakedRun::Ran(figures),
