@@ -70,6 +70,36 @@ fn faults(count: u32) -> String {
     repeated("", "", count, |n| format!("G1 X{n} Q7 XX"))
 }
 
+/// Short texts that ask for far more moves than they have bytes: loops, calls within calls, pecks, and drawings within drawings.
+fn that_ask_for_much() -> [(&'static str, String); 5] {
+    let head = "G21 G90 F600\nG0 X0 Y0 Z5\n";
+    let block = |count| {
+        repeated("0\nBLOCK\n2\nA\n10\n0\n20\n0\n", "0\nENDBLK\n", count, |n| {
+            format!("0\nCIRCLE\n10\n{n}\n20\n0\n40\n1")
+        })
+    };
+    let insert = |rows: u32| {
+        let head = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nBLOCKS\n";
+        let entities = "0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nA\n10\n0\n20\n0\n70\n100\n71\n";
+        format!("{head}{}{entities}{rows}\n44\n1\n45\n1\n0\nENDSEC\n0\nEOF\n", block(20))
+    };
+    [
+        ("a loop", format!("{head}#1=0\nWHILE[#1LT9999999]DO1\nG1 X[#1/1000]\n#1=#1+1\nEND1\nM30\n")),
+        (
+            "calls within calls",
+            format!(
+                "{head}M98 P1000 L9999\nM30\nO1000\nM98 P2000 L9999\nM99\nO2000\nG91 G1 X0.01\nG3 X0.01 R1\nM99\n"
+            ),
+        ),
+        ("pecks", format!("{head}G99 G83 X1 Y0 Z-900 R2 Q0.1 K9999\nM30\n")),
+        ("turns of an arc", format!("{head}G1 X1 Y0\nG17 G3 X1 Y0 I-1 J0 P9999\nM30\n")),
+        ("copies of a drawing", insert(9999)),
+    ]
+}
+
+/// The most bytes that one of these takes: the moves that are made before there are too many.
+const MOST_FOR_MUCH: usize = 64 << 20;
+
 /// Bytes taken for each byte of any text. The worst are the tables of TOML.
 const MOST_PER_BYTE: usize = 80;
 /// Bytes taken whatever the text: the diagnostics that are kept, and tables.
@@ -99,6 +129,13 @@ fn memory_is_proportional_to_the_text() {
         );
         // Vectors double: a tenfold text may take up to twenty times as much.
         assert!(at_large <= 20 * at_small, "{name}: {at_small} and {at_large}");
+    }
+
+    for (name, text) in that_ask_for_much() {
+        let taken = peak(text.as_bytes());
+        // Each is expanded, far beyond what a text of its length takes, and none without end.
+        assert!(taken > 1000 * text.len(), "{name}: only {taken} bytes");
+        assert!(taken <= MOST_FOR_MUCH, "{name}: {taken} bytes");
     }
 
     let pieces = [
