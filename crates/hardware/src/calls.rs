@@ -7,8 +7,8 @@ use crate::front::{Frame, Front, Level, Meaning, Node, ReturnTo, Routine, Target
 use crate::program::{BlockId, End, Op, Operand, Register};
 use crate::syntax::{Expression, Function, Kind, Statement, Type, What};
 
-/// A function of at most so many calls, operators and branches is read in its place.
-const SMALL: usize = 8;
+/// A function of at most so many calls, operators and branches is read in its place. Larger ones would copy rare work many times.
+const SMALL: usize = 4;
 /// Calls in calls, at most: C of this kind has no recursion.
 const DEEPEST: usize = 64;
 

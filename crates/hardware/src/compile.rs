@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use secant_interp::PositionChecksum;
 
+use crate::coalesce::coalesce;
 use crate::control::{positions, program};
 use crate::error::CoreError;
 use crate::executor::{self, Run};
@@ -89,8 +90,9 @@ pub fn compile(request: &CoreRequest<'_>) -> Result<CoreFiles, CoreError> {
     let most = MOST.0 * request.periods as u64 + MOST.1;
     tidy(&mut program);
     let run = executor::run(&program, sections, most)?;
+    coalesce(&mut program, &run);
     let graphs = graphs(&mut program, &run);
-    let microcode = microcode(&program, &graphs)?;
+    let microcode = microcode(&program, &graphs, &run)?;
     let image = Image::of(&program, &microcode);
     let made = machine::run(&microcode, &image, program.numbers, program.outputs.len(), sections, most)?;
     let checksum = checksum(request, &made)?;

@@ -10,13 +10,15 @@
 //! | `front`, `expressions`, `intrinsics`, `statements`, `calls`, `control` | blocks of operations on registers |
 //! | `tables`, `operation`, `program`, `arithmetic` | what such a program is, and what each operation gives |
 //! | `executor` | a run of the blocks, one operation after the other |
-//! | `paths`, `liveness`, `graph` | straight ways through the blocks, and the values in them, each once |
+//! | `liveness`, `coalesce` | which registers are read later, and one register for those that copies join |
+//! | `paths`, `graph` | straight ways through the blocks, and the values in them, each once |
 //! | `timing`, `schedule`, `microcode`, `image` | words of microcode in their cycles, registers, and the table memory |
 //! | `machine` | a run of the microcode, cycle by cycle |
 //! | `verilog` | the texts, from `templates/core.v` and `templates/testbench.v` |
 
 mod arithmetic;
 mod calls;
+mod coalesce;
 mod compile;
 mod control;
 mod error;

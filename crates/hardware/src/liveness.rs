@@ -8,6 +8,7 @@ use crate::program::{BlockId, End, Op, Operand, Operation, Program, Register};
 pub(crate) struct Liveness {
     begins: Vec<HashSet<Register>>,
     ends: Vec<HashSet<Register>>,
+    routines: HashMap<BlockId, Routine>,
 }
 
 /// The register that an operand reads.
@@ -19,7 +20,7 @@ pub(crate) fn read_by(operand: Operand) -> Option<Register> {
 }
 
 /// The register that an operation writes; an output writes none.
-fn written_by(operation: &Operation) -> Option<Register> {
+pub(crate) fn written_by(operation: &Operation) -> Option<Register> {
     (!matches!(operation.op, Op::Output(_))).then_some(operation.to)
 }
 
@@ -34,12 +35,13 @@ impl Liveness {
     pub(crate) fn of(program: &Program) -> Self {
         let routines = routines(program);
         let count = program.blocks.len();
-        let mut this = Self { begins: vec![HashSet::new(); count], ends: vec![HashSet::new(); count] };
+        let mut this =
+            Self { begins: vec![HashSet::new(); count], ends: vec![HashSet::new(); count], routines };
         let mut has_changed = true;
         while has_changed {
             has_changed = false;
             for (id, block) in program.blocks.iter().enumerate().rev() {
-                let at_end = this.behind(id, block.end, &routines);
+                let at_end = this.behind(id, block.end);
                 let mut live = at_end.clone();
                 if let End::Branch { a, b, .. } = block.end {
                     live.extend([a, b].into_iter().filter_map(read_by));
@@ -61,17 +63,16 @@ impl Liveness {
 
     /// Registers that are read behind an end. What a routine does not write passes it by; of what it writes its own begin says
     /// what must be there.
-    fn behind(&self, id: BlockId, end: End, routines: &HashMap<BlockId, Routine>) -> HashSet<Register> {
+    fn behind(&self, id: BlockId, end: End) -> HashSet<Register> {
         let begins = |block: BlockId| self.begins.get(block).into_iter().flatten().copied();
         match end {
             End::Call { entry, then } => {
-                let writes = routines.get(&entry).map(|routine| &routine.writes);
-                let passes =
-                    begins(then).filter(|register| writes.is_none_or(|writes| !writes.contains(register)));
+                let writes = self.writes_of(entry);
+                let passes = begins(then).filter(|register| !writes.contains(register));
                 begins(entry).chain(passes).collect()
             }
             End::Return => {
-                let own = routines.values().filter(|routine| routine.blocks.contains(&id));
+                let own = self.routines.values().filter(|routine| routine.blocks.contains(&id));
                 own.flat_map(|routine| {
                     let read = routine.back.iter().flat_map(|then| begins(*then));
                     read.filter(|register| routine.writes.contains(register)).collect::<Vec<_>>()
@@ -85,6 +86,11 @@ impl Liveness {
     /// Registers that are read from the begin of a block on.
     pub(crate) fn at_begin(&self, block: BlockId) -> &HashSet<Register> {
         &self.begins[block]
+    }
+
+    /// Registers that a routine and those that it calls write, by its entry.
+    pub(crate) fn writes_of(&self, entry: BlockId) -> &HashSet<Register> {
+        &self.routines[&entry].writes
     }
 
     /// Registers that are read behind the end of a block.

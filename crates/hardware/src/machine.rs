@@ -4,7 +4,7 @@ use crate::error::CoreError;
 use crate::image::Image;
 use crate::microcode::{Action, Microcode, Slot, Source, Word};
 use crate::program::{Event, Numbers, OUTPUT_DONE, OUTPUT_WHOLE, Op};
-use crate::timing::{BUBBLE, SUM, latency};
+use crate::timing::{BUBBLE, CHOICE, SUM, latency};
 
 /// A setpoint and when it was made.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ pub(crate) fn run(
         match word.action {
             Action::Nothing => {}
             Action::Load(row) => {
-                write(&mut coming, cycle + u64::from(SUM), word.to, row)?;
+                write(&mut coming, cycle + u64::from(CHOICE), word.to, row)?;
             }
             Action::Compute(Op::Output(OUTPUT_WHOLE)) => {
                 let cycles = cycle + u64::from(SUM) - asked;

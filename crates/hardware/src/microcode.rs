@@ -1,13 +1,15 @@
 //! Microcode: registers are dealt out, ways stand one behind the other, and each way out gets the moves that it needs.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use crate::error::CoreError;
+use crate::executor::Run;
 use crate::graph::{Deed, Graph, Item, Value};
 use crate::program::{BlockId, Compare, End, Event, Op, Program, Register};
 use crate::schedule::{Ending, Schedule, Work, schedule, sources};
 use crate::tables::Tables;
-use crate::timing::{BUBBLE, LONGEST_WAIT, SUM};
+use crate::timing::{BUBBLE, CHOICE, LONGEST_WAIT, SUM};
 
 /// A place in the register file.
 pub(crate) type Slot = u16;
@@ -106,8 +108,12 @@ struct Writer<'a> {
 ///
 /// # Errors
 /// [`CoreError::TooMany`] if the core has too few registers, pointers or words.
-pub(crate) fn microcode(program: &Program, graphs: &HashMap<BlockId, Graph>) -> Result<Microcode, CoreError> {
-    let order = layout(program, graphs);
+pub(crate) fn microcode(
+    program: &Program,
+    graphs: &HashMap<BlockId, Graph>,
+    run: &Run,
+) -> Result<Microcode, CoreError> {
+    let order = layout(program, graphs, run);
     let mut writer = Writer {
         program,
         graphs,
@@ -140,34 +146,57 @@ pub(crate) fn microcode(program: &Program, graphs: &HashMap<BlockId, Graph>) -> 
         let next = order.get(place + 1).copied();
         writer.way(&graphs[head], *ending, schedule, next, &mut exits)?;
     }
-    for (label, graph, moves, to) in exits {
-        writer.exit(label, graph, moves, to)?;
+    let mut written: HashMap<(Moves, BlockId), usize> = HashMap::new();
+    for (label, moves, to) in exits {
+        // Equal ways out are one.
+        match written.get(&(moves.clone(), to)) {
+            Some(place) => writer.places.insert(label, *place),
+            None => {
+                written.insert((moves.clone(), to), writer.drafts.len());
+                writer.places.insert(label, writer.drafts.len());
+                writer.exit(&moves, to)?;
+                None
+            }
+        };
     }
     writer.finish()
 }
 
-/// The order of ways in memory: each before what it leads to, where that has no place yet.
-fn layout(program: &Program, graphs: &HashMap<BlockId, Graph>) -> Vec<BlockId> {
-    let (mut order, mut seen, mut open) = (Vec::new(), HashSet::new(), vec![program.entry]);
-    while let Some(head) = open.pop() {
-        let mut at = head;
-        while let Some(graph) = graphs.get(&at).filter(|_| seen.insert(at)) {
-            order.push(at);
-            open.extend(graph.deeds.iter().filter_map(|deed| match deed {
-                Deed::Exit { to, .. } => Some(*to),
-                Deed::Output { .. } => None,
-            }));
-            at = match graph.end {
-                End::Jump(to) | End::Wait(_, to) => to,
-                End::Call { entry, then } => {
-                    open.push(entry);
-                    then
-                }
-                _ => break,
-            };
+/// The order of ways in memory. The ends that the run passed most often need no jump: what they lead to stands behind them.
+fn layout(program: &Program, graphs: &HashMap<BlockId, Graph>, run: &Run) -> Vec<BlockId> {
+    let mut heads = reached(program, graphs);
+    heads[1..].sort_by_key(|head| Reverse(run.counts.get(*head).copied().unwrap_or(0)));
+    let (mut next, mut before) = (HashMap::new(), HashMap::from([(program.entry, None)]));
+    for head in &heads {
+        let (End::Jump(to) | End::Wait(_, to) | End::Call { then: to, .. }) = graphs[head].end else {
+            continue;
+        };
+        let last = std::iter::successors(Some(to), |at| next.get(at).copied()).last();
+        if last != Some(*head) && !before.contains_key(&to) {
+            next.insert(*head, to);
+            before.insert(to, Some(*head));
         }
     }
-    order
+    let begins = heads.iter().filter(|head| before.get(*head).copied().flatten().is_none());
+    begins.flat_map(|head| std::iter::successors(Some(*head), |at| next.get(at).copied())).collect()
+}
+
+/// The ways to which others lead, the entry's first.
+fn reached(program: &Program, graphs: &HashMap<BlockId, Graph>) -> Vec<BlockId> {
+    let (mut found, mut seen, mut open) = (Vec::new(), HashSet::new(), vec![program.entry]);
+    while let Some(head) = open.pop() {
+        let Some(graph) = graphs.get(&head).filter(|_| seen.insert(head)) else { continue };
+        found.push(head);
+        open.extend(graph.end.targets());
+        if let End::Call { entry, .. } = graph.end {
+            open.push(entry);
+        }
+        open.extend(graph.deeds.iter().filter_map(|deed| match deed {
+            Deed::Exit { to, .. } => Some(*to),
+            Deed::Output { .. } => None,
+        }));
+    }
+    found
 }
 
 /// Moves at a way out.
@@ -249,7 +278,7 @@ impl Writer<'_> {
         ending: Ending,
         schedule: &Schedule,
         next: Option<BlockId>,
-        exits: &mut Vec<(Label, BlockId, Moves, BlockId)>,
+        exits: &mut Vec<(Label, Moves, BlockId)>,
     ) -> Result<(), CoreError> {
         let slots = self.deal_temporaries(graph, schedule)?;
         self.places.insert(Label::Way(graph.head), self.drafts.len());
@@ -284,7 +313,7 @@ impl Writer<'_> {
                         let mut target = Label::Way(*to);
                         if !moves.is_empty() {
                             target = Label::Exit(graph.head, number);
-                            exits.push((target, graph.head, moves, *to));
+                            exits.push((target, moves, *to));
                         }
                         let word = plain(Action::Branch { compare: *compare, on: *on }, 0, [a, b, a]).word;
                         Draft { word, target: Some(target) }
@@ -484,8 +513,7 @@ impl Writer<'_> {
     }
 
     /// The moves of a way out, none of which writes what another one still reads; then the way on.
-    fn exit(&mut self, label: Label, _: BlockId, moves: Moves, to: BlockId) -> Result<(), CoreError> {
-        self.places.insert(label, self.drafts.len());
+    fn exit(&mut self, moves: &Moves, to: BlockId) -> Result<(), CoreError> {
         let reads = |from: &Source| match from {
             Source::Slot(slot) | Source::Table { pointer: slot, .. } => *slot,
         };
@@ -562,7 +590,7 @@ impl Writer<'_> {
             let column = place % (1 << column_bits);
             if column == 0 {
                 let word = plain(Action::Load(i64::from(slot_of(place))), 0, nowhere).word;
-                self.drafts.push(Draft { word: Word { wait: SUM - 1, ..word }, target: None });
+                self.drafts.push(Draft { word: Word { wait: CHOICE - 1, ..word }, target: None });
             }
             let from = Source::Table { pointer: 0, column: slot_of(column) };
             self.drafts.push(plain(Action::Compute(Op::Move), *slot, [from; 3]));

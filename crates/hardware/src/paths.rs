@@ -8,10 +8,8 @@ use crate::program::{BlockId, End, Program};
 
 /// Operations of a way, at most.
 const LONGEST: usize = 500;
-/// A block is copied into a way if it is run at least once in so many setpoints, ...
+/// A block is copied into a way if it is run at least once in so many setpoints.
 const OFTEN: u64 = 20;
-/// ... or has no more operations than this.
-const SHORT: usize = 3;
 
 /// Blocks one after the other.
 pub(crate) struct Way {
@@ -108,8 +106,7 @@ fn grown(program: &Program, run: &Run, head: BlockId, often: u64, leading: &Hash
         };
         count = (count * share).checked_div(all).unwrap_or(count);
         let is_alone = leading.get(&next) == Some(&1);
-        let is_short = program.blocks[next].operations.len() <= SHORT;
-        if blocks.contains(&next) || length > LONGEST || !(is_alone || count >= often || is_short) {
+        if blocks.contains(&next) || length > LONGEST || !(is_alone || count >= often) {
             return Way { blocks };
         }
         blocks.push(next);

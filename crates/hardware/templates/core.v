@@ -4,8 +4,8 @@
 // part.hex. Registers have 64 bits. A number is a word of {{ bits }} bits with its sign in the bits above, {{ fraction_bits }} bits behind the point.
 //
 // A word of microcode is issued a cycle, unless the one before asks to wait. Stages: issue, in which rows and registers are addressed;
-// read, in which operands arrive; one stage for sums, two for shifts, four for products. Nothing is forwarded: words are ordered so
-// that a result is there when it is read, and that one result is written a cycle.
+// read, in which operands arrive; one stage for sums, two for shifts and choices, three for products. Nothing is forwarded: words are
+// ordered so that a result is there when it is read, and that one result is written a cycle.
 `default_nettype none
 
 module feedbits_core #(
@@ -33,6 +33,7 @@ module feedbits_core #(
 
 localparam W = {{ bits }};
 localparam F = {{ fraction_bits }};
+localparam [63:0] HALF = 64'd1 << (F - 1);
 localparam FIELD = {{ field_bits }};
 localparam SLOT = {{ slot_bits }};
 localparam COLUMN = {{ column_bits }};
@@ -50,7 +51,7 @@ function [63:0] cut(input [63:0] x);
 endfunction
 
 // Issue.
-reg [WORD - 1:0] microcode [0:(1 << ADDRESS) - 1];
+reg [WORD - 1:0] microcode [0:{{ words - 1 }}];
 initial $readmemh(MICROCODE, microcode);
 
 reg [ADDRESS - 1:0] next_address, ahead_next, word_next;
@@ -191,6 +192,7 @@ reg sums_valid;
 reg [5:0] x_op;
 reg [FIELD - 1:0] x_to;
 reg [FIELD - 1:0] x_last;
+reg [2 * FIELD - 1:0] x_literal;
 reg [ADDRESS - 1:0] x_link;
 reg [63:0] x_a, x_b, x_c;
 reg [{{ bits - 2 }}:0] begun;
@@ -201,7 +203,8 @@ always @(posedge clk) begin
     x_to <= read_to;
     x_last <= read_last;
     x_link <= read_link;
-    x_a <= read_op == LOAD ? {% raw %}{{{% endraw %}(64 - 2 * FIELD){1'b0}}, read_literal} : read_op == INPUT ? {% raw %}{{{% endraw %}(65 - W){1'b0}}, begun} : read_table == 1 ? read_row : read_a;
+    x_literal <= read_literal;
+    x_a <= read_table == 1 ? read_row : read_a;
     x_b <= read_table == 2 ? read_row : read_b;
     x_c <= read_table == 3 ? read_row : read_c;
     if (issue && op == WAIT_START)
@@ -258,16 +261,35 @@ always @* begin
         ADD_NUMBERS: of_sum = cut(sum);
         SUB: of_sum = difference[63:0];
         SUB_NUMBERS: of_sum = cut(difference[63:0]);
-        MIN: of_sum = less ? x_a : x_b;
-        MAX: of_sum = less ? x_b : x_a;
         AND: of_sum = x_a & x_b;
         OR: of_sum = x_a | x_b;
-        MOVE, LOAD, INPUT: of_sum = x_a;
+        MOVE: of_sum = x_a;
         default: begin
             of_sum = x_a;
             writes_sum = 0;
         end
     endcase
+end
+
+// Choices and words from elsewhere are kept for a cycle, for what they are is known late. A quotient or root comes the same way.
+reg gives_kept;
+reg [FIELD - 1:0] kept_to;
+reg [63:0] kept;
+reg gives;
+reg [FIELD - 1:0] long_to;
+reg [63:0] of_long;
+
+always @(posedge clk) begin
+    gives_kept <= (gives || (x_valid && (x_op == MIN || x_op == MAX || x_op == LOAD || x_op == INPUT))) && !reset;
+    kept_to <= gives ? long_to : x_to;
+    if (gives)
+        kept <= of_long;
+    else if (x_op == LOAD)
+        kept <= {% raw %}{{{% endraw %}(64 - 2 * FIELD){1'b0}}, x_literal};
+    else if (x_op == INPUT)
+        kept <= {% raw %}{{{% endraw %}(65 - W){1'b0}}, begun};
+    else
+        kept <= less == (x_op == MIN) ? x_a : x_b;
 end
 
 // The setpoint.
@@ -288,10 +310,9 @@ end
 // Shifts: a rotation to the right, then what is left of it, rounded.
 wire is_scale = x_op == SCALE;
 wire to_left = x_op == SHIFT_LEFT || x_op == TO_PHASE || (is_scale && !x_b[8]);
-wire [8:0] magnitude = x_b[8] ? -x_b[8:0] : x_b[8:0];
-wire is_far = |magnitude[8:6];
-wire [5:0] places = is_far ? 6'd63 : magnitude[5:0];
-wire [5:0] rotation = to_left ? -places : places;
+// Beyond 63 places to either side.
+wire is_far = x_b[8] ? !(&x_b[7:6]) || x_b[5:0] == 0 : |x_b[7:6];
+wire [5:0] rotation = is_far ? 6'd63 : x_op == SHIFT_RIGHT ? x_b[5:0] : -x_b[5:0];
 wire [63:0] turned_in = is_scale && !to_left ? {x_a[62:0], 1'b0} : x_a;
 wire [63:0] turned_1 = rotation[1] ? (rotation[0] ? {turned_in[2:0], turned_in[63:3]} : {turned_in[1:0], turned_in[63:2]})
     : (rotation[0] ? {turned_in[0], turned_in[63:1]} : turned_in);
@@ -325,7 +346,7 @@ wire [63:0] of_shift = gives_none ? 64'd0 : saturates && |(turned & ~mask) ? 64'
 
 // Products.
 {% if bits > 18 -%}
-// Factors of 33 bits in parts of 17 and 16: four products, whose sum takes two stages; the last stage rounds.
+// Factors of 33 bits in parts of 17 and 16: four products.
 wire is_limb = x_op[5:4] == 3;
 wire [32:0] factor_a = is_limb ? {1'b0, x_op[2] ? x_a[63:32] : x_a[31:0]} : x_a[32:0];
 wire [32:0] factor_b = is_limb ? {1'b0, x_op[0] ? x_b[63:32] : x_b[31:0]} : x_b[32:0];
@@ -334,72 +355,50 @@ wire signed [17:0] low_b = {1'b0, factor_b[16:0]};
 wire signed [17:0] high_a = { {2{factor_a[32]}}, factor_a[32:17]};
 wire signed [17:0] high_b = { {2{factor_b[32]}}, factor_b[32:17]};
 reg signed [35:0] high_high, high_low, low_high, low_low;
+wire signed [36:0] middle = high_low + low_high;
 {%- else -%}
 wire is_limb = x_op[5:4] == 3;
 wire signed [17:0] factor_a = is_limb ? {2'b0, x_a[16 * x_op[3:2] +: 16]} : x_a[17:0];
 wire signed [17:0] factor_b = is_limb ? {2'b0, x_b[16 * x_op[1:0] +: 16]} : x_b[17:0];
 reg signed [35:0] whole_product;
 {%- endif %}
-reg multiplies, adds;
-reg [5:0] product_op, sum_op;
-reg [FIELD - 1:0] product_to, sum_to;
-reg [63:0] product_c, sum_c, sum_part;
-{%- if bits > 18 %}
-reg signed [36:0] sum_middle;
-{%- endif %}
+reg multiplies, gives_product, is_number;
+reg [5:0] product_op;
+reg [FIELD - 1:0] product_to, total_to;
+reg [63:0] product_c, total;
 wire is_product = x_op[5] && x_op != DIVIDE && x_op != ROOT;
 
+// A number is rounded by half a unit that comes with what is added.
 always @(posedge clk) begin
     multiplies <= x_valid && is_product && !reset;
     product_op <= x_op;
     product_to <= x_to;
-    product_c <= x_c;
-    adds <= multiplies && !reset;
-    sum_op <= product_op;
-    sum_to <= product_to;
-    sum_c <= product_op == PRODUCT ? product_c : 64'd0;
+    product_c <= x_op == PRODUCT ? x_c << F | HALF : x_c + (x_op == ROUNDED_SUM ? HALF : 64'd0);
+    gives_product <= multiplies && !reset;
+    total_to <= product_to;
+    is_number <= product_op == PRODUCT || product_op == ROUNDED_SUM;
 {%- if bits > 18 %}
     high_high <= high_a * high_b;
     high_low <= high_a * low_b;
     low_high <= low_a * high_b;
     low_low <= low_a * low_b;
-    sum_part <= {high_high[29:0], low_low[33:0]} + (product_op == PRODUCT ? 64'd0 : product_c);
-    sum_middle <= high_low + low_high;
+    total <= {high_high[29:0], low_low[33:0]} + product_c + { {10{middle[36]}}, middle, 17'd0};
 end
-
-wire [63:0] exact = sum_part + { {10{sum_middle[36]}}, sum_middle, 17'd0};
 {%- else %}
     whole_product <= factor_a * factor_b;
-    sum_part <= { {28{whole_product[35]}}, whole_product} + (product_op == PRODUCT ? 64'd0 : product_c);
+    total <= { {28{whole_product[35]}}, whole_product} + product_c;
 end
-
-wire [63:0] exact = sum_part;
 {%- endif %}
-reg gives_product;
-reg [5:0] total_op;
-reg [FIELD - 1:0] total_to;
-reg [63:0] total, total_c;
 
-always @(posedge clk) begin
-    gives_product <= adds && !reset;
-    total_op <= sum_op;
-    total_to <= sum_to;
-    total_c <= sum_c;
-    total <= exact;
-end
-
-wire [W - 1:0] nearest = total[F +: W] + total_c[W - 1:0] + {{ "{{" }}(W - 1){1'b0}}, total[F - 1]};
-wire [63:0] of_product = total_op == PRODUCT || total_op == ROUNDED_SUM ? { {(64 - W){nearest[W - 1]}}, nearest} : total;
+wire [63:0] of_product = is_number ? { {(64 - W){total[F + W - 1]}}, total[F +: W]} : total;
 
 // Quotients and roots, a bit a cycle.
 reg [5:0] left;
-reg works, is_first, is_root, is_negative, is_beyond, rounds_up, gives;
-reg [FIELD - 1:0] long_to;
+reg works, is_first, is_root, is_negative, is_beyond, rounds_up;
 reg [63:0] digits;
 reg [33:0] rest;
 reg [31:0] found;
 reg [31:0] divisor;
-reg [63:0] of_long;
 wire [W - 1:0] size_a = x_a[63] ? -x_a[W - 1:0] : x_a[W - 1:0];
 wire [W - 1:0] size_b = x_b[63] ? -x_b[W - 1:0] : x_b[W - 1:0];
 wire [35:0] shifted_rest = is_root ? {rest, digits[63:62]} : {1'b0, rest, digits[63]};
@@ -465,9 +464,9 @@ always @(posedge clk) begin
 end
 
 // One result a cycle.
-assign write = writes_sum || shifts || gives_product || gives;
-assign write_to = gives ? long_to[SLOT - 1:0] : gives_product ? total_to[SLOT - 1:0] : shifts ? shift_to[SLOT - 1:0] : x_to[SLOT - 1:0];
-assign written = gives ? of_long : gives_product ? of_product : shifts ? of_shift : of_sum;
+assign write = writes_sum || shifts || gives_product || gives_kept;
+assign write_to = gives_kept ? kept_to[SLOT - 1:0] : gives_product ? total_to[SLOT - 1:0] : shifts ? shift_to[SLOT - 1:0] : x_to[SLOT - 1:0];
+assign written = gives_kept ? kept : gives_product ? of_product : shifts ? of_shift : of_sum;
 
 endmodule
 

@@ -1,7 +1,7 @@
 //! Every raw word of every setpoint is the kernel's.
 
 use feed_plan::ProfileKind;
-use hardware::{CoreError, CoreFiles};
+use hardware::CoreFiles;
 use stress::RandomPath;
 
 use crate::paths::{corners, lines, paper_a, quintic, ten_points};
@@ -39,18 +39,12 @@ fn the_plane_cubic_runs_as_in_rust_in_every_width() {
 #[test]
 fn paper_a_takes_so_many_cycles() {
     let figures = compared(&paper_a(), "I4F28").figures;
-    assert!(figures.cycles.0 <= 170.0 && figures.cycles.1 <= 900, "{figures:?}");
+    assert!(figures.cycles.0 <= 150.0 && figures.cycles.1 <= 950 && figures.words <= 2400, "{figures:?}");
 }
 
-/// Weights in space take more microcode than a branch can lead to: the part is refused with both figures.
 #[test]
-fn the_rational_cubic_in_space_is_refused_with_the_figure() {
-    let Judged { core, .. } = core_of(&ten_points(), "I4F28").expect("I4F28 holds the path");
-    let refusal = core.map(|core| core.figures).expect_err("it has no room");
-    assert!(
-        matches!(refusal, CoreError::TooMany { what: "words of microcode", needed: 8193.., most: 8192 }),
-        "{refusal}"
-    );
+fn the_rational_cubic_in_space_runs_as_in_rust() {
+    compared(&ten_points(), "I4F28");
 }
 
 #[test]
