@@ -174,6 +174,6 @@ arc_tolerance_mm: 0.004
         let (machine, made) = machine_of("config.yaml", &text);
         assert_eq!((machine.s_stops, machine.junction), (false, Junction::DeviationMm(0.01)));
         expect_assumptions(&made, 6);
-        assert_eq!(made.said.len(), 5, "{:?}", made.said);
+        assert_eq!(made.said.len(), 7, "{:?}", made.said);
     }
 }
