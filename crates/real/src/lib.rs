@@ -85,7 +85,6 @@ mod real;
 mod record;
 #[cfg(feature = "std")]
 mod runtime_format;
-#[cfg(feature = "std")]
 mod square_root;
 mod trigonometry;
 #[cfg(feature = "std")]
@@ -123,7 +122,6 @@ pub use real::{Backend, Real};
 pub use record::{Graph, Node, NodeId, NodeKind, Recorded};
 #[cfg(feature = "std")]
 pub use runtime_format::{RuntimeFixed, RuntimeFormat, RuntimeFormats};
-#[cfg(feature = "std")]
 pub use trigonometry::{Trigonometric, sine_terms};
 #[cfg(feature = "std")]
 pub use watch::{Decision, Watch, Watched, Watching};
