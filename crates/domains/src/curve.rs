@@ -16,6 +16,9 @@ pub const KNOT_RANGE: Domain = Domain::of(1e-12, 2e12, "");
 /// A knot that is not equal to the one before is greater by at least this share of the range. Neighbouring doubles are 1e-16 of
 /// their size apart, but next to 0 far less, and over such a span derivatives leave the range of doubles.
 pub const LEAST_KNOT_SPAN: f64 = 1e-18;
+/// What a curve may jump from one double to the next, as a share of its control polygon: a length that is integrated over
+/// such a span is not known any better.
+pub const MOST_JUMP: f64 = 1e-9;
 
 /// The kind of curve.
 pub const SHAPE: Key = Key {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use domains::curve::{COORDINATE, KNOT, KNOT_RANGE, LEAST_KNOT_SPAN, WEIGHT};
+use domains::curve::{COORDINATE, KNOT, KNOT_RANGE, LEAST_KNOT_SPAN, MOST_JUMP, WEIGHT};
 use domains::shown;
 use nurbs_core::{CurveError, NurbsBuf};
 pub use nurbs_core::{End, MAX_DEGREE};
@@ -167,6 +167,19 @@ pub enum CurveFault {
         multiplicity: usize,
         /// The degree.
         degree: usize,
+    },
+    /// So many knots are so close that the curve jumps from one double to the next.
+    JumpsBetweenDoubles {
+        /// The last of those degree + 1 knots.
+        index: usize,
+        /// The first of them.
+        first: f64,
+        /// The last.
+        last: f64,
+        /// How far apart two places at neighbouring parameters can be, in mm.
+        jump_mm: f64,
+        /// How far they may be, in mm.
+        most_mm: f64,
     },
     /// All control points are the same: the curve has no length.
     NoLength,
@@ -355,6 +368,9 @@ impl Nurbs {
         faults.splice(0..0, counts);
         if sound {
             faults.extend(self.multiplicity_faults());
+            if faults.is_empty() {
+                faults.extend(self.jump_fault());
+            }
             if self.control_points_mm.windows(2).all(|pair| pair[0] == pair[1]) {
                 faults.push(CurveFault::NoLength);
             }
@@ -446,10 +462,35 @@ impl Nurbs {
         faults
     }
 
+    /// The greatest jump between doubles, if it is more than [`MOST_JUMP`] of the control polygon.
+    ///
+    /// The curve C without its weights moves by at most |Q_j| Δu over Δu, where Q_j = p (P_{j+1} − P_j) /
+    /// (u_{j+p+1} − u_{j+1}) are the control points of C' (The NURBS Book, eq. 3.8), and Δu is here the distance of doubles
+    /// at the knots.
+    fn jump_fault(&self) -> Option<CurveFault> {
+        let degree = self.degree;
+        let sides = || self.control_points_mm.windows(2).map(|pair| length(difference(&pair[1], &pair[0])));
+        let most_mm = MOST_JUMP * sides().sum::<f64>();
+        let spans = self.knots[1..].windows(degree + 1).map(|knots| (knots[0], knots[degree]));
+        let jump_mm = |side: f64, (first, last): (f64, f64)| {
+            let apart = distance_of_doubles(first).max(distance_of_doubles(last));
+            side * (apart * degree as f64 / (last - first)).min(1.0)
+        };
+        let jumps = sides().zip(spans).map(|(side, span)| (jump_mm(side, span), span)).enumerate();
+        let (j, (jump_mm, (first, last))) = jumps.max_by(|(_, a), (_, b)| a.0.total_cmp(&b.0))?;
+        let fault = CurveFault::JumpsBetweenDoubles { index: j + 1 + degree, first, last, jump_mm, most_mm };
+        (jump_mm > most_mm).then_some(fault)
+    }
+
     /// The number of coordinates that the points need: 2 if every z is zero.
     pub(crate) fn dimension_of(points: &[[f64; 3]]) -> usize {
         if points.iter().all(|point| point[2] == 0.0) { 2 } else { 3 }
     }
+}
+
+/// How much greater the next double is.
+fn distance_of_doubles(knot: f64) -> f64 {
+    knot.abs().next_up() - knot.abs()
 }
 
 /// The points that are beyond the range of a machine.
@@ -476,6 +517,7 @@ impl CurveFault {
             | Self::KnotsDecrease { index, .. }
             | Self::KnotsTooClose { index, .. }
             | Self::NotClamped { index, .. }
+            | Self::JumpsBetweenDoubles { index, .. }
             | Self::KnotRepeatsTooOften { index, .. } => Element::Knot(index),
         }
     }
@@ -504,6 +546,11 @@ impl CurveFault {
             Self::NotClamped { expected, .. } => format!("end knots repeated degree + 1 = {expected} times"),
             Self::KnotRepeatsTooOften { degree, .. } => {
                 format!("an inner knot at most degree = {degree} times")
+            }
+            Self::JumpsBetweenDoubles { most_mm, .. } => {
+                format!(
+                    "equal knots, or knots so far apart that the curve goes at most {most_mm:.1e} mm from one double to the next"
+                )
             }
             Self::NoLength => "at least two different control points".into(),
         }
@@ -539,6 +586,12 @@ impl fmt::Display for CurveFault {
             Self::KnotRepeatsTooOften { index, multiplicity, .. } => {
                 write!(f, "knot {index} is there {multiplicity} times: the curve would break")
             }
+            Self::JumpsBetweenDoubles { index, first, last, jump_mm, .. } => write!(
+                f,
+                "knots too close: up to knot {index}, from {} to {}, the curve jumps {jump_mm:.1e} mm between doubles",
+                shown(first),
+                shown(last)
+            ),
             Self::NoLength => f.write_str("all control points are the same: the curve has no length"),
         }
     }
@@ -570,7 +623,6 @@ mod tests {
     fn a_valid_curve_has_no_faults() {
         assert_eq!(cubic().faults(), []);
         let with = |knot| Nurbs { knots: vec![0.0, 0.0, 0.0, 0.0, knot, 1.0, 1.0, 1.0, 1.0], ..cubic() };
-        assert_eq!(with(1.0_f64.next_down()).faults(), [], "neighbouring doubles");
         assert_eq!(with(1e-18).faults(), []);
         assert_eq!(
             domains::curve::DEGREE.value,
@@ -605,6 +657,27 @@ mod tests {
             assert!(found.iter().any(|fault| fault == message), "{message}: {found:?}");
         }
         assert_eq!(faults(|c| c.control_points_mm.fill([1.0; 3])).len(), 1);
+    }
+
+    /// Over such a span a quadrature has no place but its ends to look at, and loses length.
+    #[test]
+    fn knots_a_rounding_apart_are_refused_where_the_curve_between_them_is_long() {
+        let up = |knot: f64, times: u32| (0..times).fold(knot, |knot, _| knot.next_up());
+        let inner = |degree: usize, inner: &[f64]| {
+            let knots = [vec![0.0; degree + 1], inner.to_vec(), vec![1.0; degree + 1]].concat();
+            let points = (0..knots.len() - degree - 1).map(|i| [20.0 * i as f64, 30.0 * (i % 2) as f64, 0.0]);
+            let points: Vec<_> = points.collect();
+            Nurbs { degree, weights: vec![1.0; points.len()], control_points_mm: points, dimension: 2, knots }
+        };
+        let jumps = |curve: &Nurbs| matches!(curve.faults()[..], [CurveFault::JumpsBetweenDoubles { .. }]);
+        for degree in 1..=5 {
+            let close = |times: usize| -> Vec<f64> { (0..times).map(|k| up(0.5, k as u32)).collect() };
+            assert!(jumps(&inner(degree, &close(degree + 1))), "degree {degree}: almost one knot too many");
+            assert_eq!(inner(degree, &close(degree)).faults(), [], "degree {degree}: almost a corner");
+            assert!(jumps(&inner(degree, &[1.0_f64.next_down()])), "degree {degree}: at the end");
+            assert_eq!(inner(degree, &[1e-17]).faults(), [], "degree {degree}: doubles are dense near 0");
+            assert_eq!(inner(degree, &[0.5, 0.500_001, 0.500_002]).faults(), [], "degree {degree}");
+        }
     }
 
     #[test]
