@@ -309,9 +309,9 @@ mod tests {
             jerk in 1e4..1e5_f64, exponent in -4.0..-1.0_f64,
         ) {
             let limits = in_periods(period, feedrate, acceleration, jerk, 10.0_f64.powf(exponent));
-            let Ok(limit) = FeedLimit::along(&[curve.as_curve()], &limits) else { return Ok(()) };
+            let limit = FeedLimit::along(&[curve.as_curve()], &limits).map_err(|error| TestCaseError::reject(error.to_string()))?;
             for kind in ProfileKind::ALL {
-                let Ok(arcs) = plan_with(&limit, &limits, EndFeeds::default(), kind) else { continue };
+                let arcs = plan_with(&limit, &limits, EndFeeds::default(), kind).map_err(|error| TestCaseError::fail(error.to_string()))?;
                 let shortfalls = limit.shortfalls(&[curve.as_curve()], &arcs.as_schedule());
                 let short = arcs.clone().shortened(&limit, &shortfalls);
                 assert_smooth(&arcs, &short, &shortfalls)?;
@@ -339,7 +339,7 @@ mod tests {
             let limits = KinematicLimits { jerk, ..in_periods(3e-3, 200.0, 5000.0, 4e5, 5e-4) };
             let limit = limit_through(&points);
             for kind in ProfileKind::ALL {
-                let Ok(arcs) = plan_with(&limit, &limits, EndFeeds::default(), kind) else { continue };
+                let arcs = plan_with(&limit, &limits, EndFeeds::default(), kind).map_err(|error| TestCaseError::fail(error.to_string()))?;
                 let shares = shares.iter().cycle();
                 let mut shortfalls: Vec<_> = arcs.stages().iter().zip(shares).map(|(stage, share)| stage.length * share).collect();
                 assert_smooth(&arcs, &arcs.clone().shortened(&limit, &shortfalls), &shortfalls)?;

@@ -102,7 +102,8 @@ mod tests {
         limits: &KinematicLimits<f64>,
     ) -> Result<(), TestCaseError> {
         let curves = [curve.as_curve()];
-        let Ok(limit) = FeedLimit::along(&curves, limits) else { return Ok(()) };
+        let limit =
+            FeedLimit::along(&curves, limits).map_err(|error| TestCaseError::reject(error.to_string()))?;
         for kind in ProfileKind::ALL {
             let planned = Planned::under(limit.clone(), &curves, limits, EndFeeds::default(), kind);
             let Ok(mut planned) = planned else { continue };

@@ -598,7 +598,7 @@ mod tests {
             let limit = limit_through(&points);
             let bound = least_duration(&limit, &limits, EndFeeds::default());
             for kind in ProfileKind::ALL {
-                let Ok(plan) = plan_with(&limit, &limits, EndFeeds::default(), kind) else { continue };
+                let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).map_err(|error| TestCaseError::fail(error.to_string()))?;
                 let duration = plan.as_schedule().duration();
                 prop_assert!(duration >= bound * (1.0 - 1e-9), "{kind:?}: {duration} {bound}");
             }

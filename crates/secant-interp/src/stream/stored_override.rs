@@ -62,7 +62,7 @@ mod tests {
             let limits = OverrideLimits {
                 acceleration, jerk, planned_acceleration: plans * acceleration, planned_jerk: jerks * jerk, planned_feed,
             };
-            let Some(feeds) = FeedOverride::new(&limits) else { return Ok(()) };
+            let Some(feeds) = FeedOverride::new(&limits) else { return Err(TestCaseError::reject("no override")) };
             let whole = StreamOverride { feeds, commanded: Rate::of(commanded) };
             prop_assert_eq!(StreamOverride::of_words(StreamOverride::words(Some(&whole))), Ok(Some(whole)));
         }
