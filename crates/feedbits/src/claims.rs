@@ -70,6 +70,22 @@ pub(crate) fn write(option: &str, path: &Path, target: &Path, found: Option<&Met
     claim(file, true, shown(option, path))
 }
 
+/// Refuses a folder that is to be made where this call writes a file that is not there yet. `target` is where the links of
+/// `folder` lead.
+///
+/// # Errors
+/// If a file of that name was claimed as an output.
+pub(crate) fn make_folder(option: &str, folder: &Path, target: &Path) -> Result<()> {
+    let claims = CLAIMS.lock().unwrap_or_else(PoisonError::into_inner);
+    let file = Identity::Name(target.into());
+    match claims.iter().find(|known| known.file == file) {
+        Some(known) => {
+            bail!("the folder {} is also {}: expected a name of its own for each", shown(option, folder), known.shown)
+        }
+        None => Ok(()),
+    }
+}
+
 fn shown(option: &str, path: &Path) -> String {
     format!("{option} {}", path.display())
 }

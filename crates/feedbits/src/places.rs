@@ -73,11 +73,14 @@ impl Folder {
     /// the folders that were made for it are removed.
     ///
     /// # Errors
-    /// If the folder cannot be made, or takes no new files.
+    /// If the folder cannot be made, takes no new files, or is to be a file of this call.
     pub(crate) fn named(option: &'static str, path: &Path) -> Result<Self> {
         let is_missing =
             |folder: &&Path| !folder.as_os_str().is_empty() && fs::symlink_metadata(folder).is_err();
         let missing: Vec<_> = path.ancestors().take_while(is_missing).collect();
+        for folder in &missing {
+            target_of(folder).map_or(Ok(()), |target| claims::make_folder(option, folder, &target))?;
+        }
         let made = missing.into_iter().rev().map(|folder| Listed::folder(folder.to_path_buf())).collect();
         let folder = Self { option, path: path.to_path_buf(), made };
         fs::create_dir_all(path).with_context(|| format!("cannot make the folder {}", path.display()))?;

@@ -604,6 +604,20 @@ fn no_part_of_a_set_is_written_over() {
     }
 }
 
+/// The folder was made and filled, and then the result had no place.
+#[test]
+fn no_folder_is_made_where_a_file_is_to_be_written() {
+    let folder = letters(2);
+    for cache in ["both", "./both/", "both/below"] {
+        let words = ["size", "parts", "--machine", "m.toml", "--out", "both", "--cache", cache];
+        let output = feedbits_in(folder.path(), &words);
+        assert_eq!(output.status.code(), Some(2), "{cache}");
+        let said = unfolded(&output.stderr);
+        assert!(said.contains("is also --out both: expected a name of its own for each"), "{cache}: {said}");
+        assert!(!folder.path().join("both").exists(), "{cache}");
+    }
+}
+
 /// A pipe gives its text once: as a part of a set it is refused, and of shards that are merged it is read once.
 #[test]
 #[cfg(unix)]
