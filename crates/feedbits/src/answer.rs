@@ -54,9 +54,12 @@ fn about(comparison: &Comparison) -> String {
 
 /// How many bits are enough; and which of the compared formats is recommended, by which measure, and how sure that is.
 fn answer(comparison: &Comparison, target: Option<&str>) -> String {
+    let good: Vec<_> = comparison.formats.iter().filter(|row| row.verdict.is_good()).collect();
+    let fastest_of_slow = fastest_of_slow(comparison).filter(|_| good.is_empty());
     let mut text = match &comparison.fewest_bits {
         Some(FewestBits::Found { format, bits, margin, .. }) => {
-            format!("{bits} bits are enough: {format}, {} better than asked.\n", times(*margin))
+            let enough = if fastest_of_slow.is_some() { "precise enough" } else { "enough" };
+            format!("{bits} bits are {enough}: {format}, {} better than asked.\n", times(*margin))
         }
         Some(FewestBits::None { up_to_bits }) => {
             format!("Not even {up_to_bits} bits are enough in one fixed-point format.\n")
@@ -67,12 +70,20 @@ fn answer(comparison: &Comparison, target: Option<&str>) -> String {
         // Said below.
         Some(FewestBits::BrokenByPlan { .. }) | None => String::new(),
     };
-    let good: Vec<_> = comparison.formats.iter().filter(|row| row.verdict.is_good()).collect();
     let first = comparison.recommended.as_ref().zip(comparison.recommended_engine);
     let Some(best) =
         first.and_then(|(name, engine)| good.iter().find(|row| row.format == *name && row.engine == engine))
     else {
-        text += "None of the formats compared is good enough.";
+        text += &fastest_of_slow.map_or_else(
+            || "None of the formats compared is good enough.".to_string(),
+            |(row, share)| {
+                format!(
+                    "None of the formats compared is fast enough: of those that are precise enough {} is the fastest, and takes {share:.1} \
+                     times the interpolation period.",
+                    named(row)
+                )
+            },
+        );
         if let Some(why) = &comparison.not_a_question_of_format {
             let _ = write!(text, "\n{why}");
         }
@@ -99,6 +110,13 @@ fn answer(comparison: &Comparison, target: Option<&str>) -> String {
         let _ = write!(text, " Second best: {}.", named(second));
     }
     text
+}
+
+/// The format that takes the least time of those that are good but for their time, and its dearest period as a share of the interpolation
+/// period.
+fn fastest_of_slow(comparison: &Comparison) -> Option<(&JudgedRun, f64)> {
+    let slow = comparison.formats.iter().filter_map(|row| Some((row, row.is_only_too_slow()?)));
+    slow.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 fn named(row: &JudgedRun) -> String {

@@ -80,7 +80,11 @@ pub(crate) fn make_folder(option: &str, folder: &Path, target: &Path) -> Result<
     let file = Identity::Name(target.into());
     match claims.iter().find(|known| known.file == file) {
         Some(known) => {
-            bail!("the folder {} is also {}: expected a name of its own for each", shown(option, folder), known.shown)
+            bail!(
+                "the folder {} is also {}: expected a name of its own for each",
+                shown(option, folder),
+                known.shown
+            )
         }
         None => Ok(()),
     }

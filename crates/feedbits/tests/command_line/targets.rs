@@ -49,6 +49,20 @@ fn the_first_screen_names_the_target_that_was_named_first() {
     }
 }
 
+/// "25 bits are enough" once stood above "none of the formats compared is good enough".
+#[test]
+fn what_is_precise_enough_and_too_slow_everywhere_is_not_said_to_be_enough() {
+    let compared = |clock: &str| {
+        let words =
+            ["compare", "--formats", "I8F24,I4F28,f32", "--targets", "cortex-m0plus", "--clock", clock];
+        unfolded(&feedbits(&words).stdout)
+    };
+    let (slow, fast) = (compared("0.5"), compared("48"));
+    assert!(slow.contains("bits are precise enough: "), "{slow}");
+    assert!(slow.contains("of those that are precise enough I4F28 is the fastest, and takes 3."), "{slow}");
+    assert!(fast.contains("bits are enough: ") && !fast.contains("fast enough"), "{fast}");
+}
+
 /// Fixed point pays where there is no FPU, and f32 where there is one.
 #[test]
 fn the_recommendation_is_the_cheapest_on_the_first_target() {

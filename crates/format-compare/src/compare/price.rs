@@ -15,6 +15,9 @@ use crate::run::formats::{Dimension, Space, common_or_plan_for, format_named};
 use crate::run::options::Options;
 use feed_plan::in_parallel;
 
+/// What is demanded beside precision once targets are known.
+const DEAREST_PERIOD: &str = "dearest period in an interpolation period";
+
 /// Records every run of `comparison` that was not refused, prices it on each of `targets`, and makes a new
 /// recommendation. It recommends the format that costs least on the first target, among those that are good and fit the
 /// period. A format that fits the period on none of the targets is no longer good. `recorded` is called each time a run
@@ -65,6 +68,16 @@ where
     Ok(Some((format.name(), format.record(problem, &plan, &options, usize::MAX)?)))
 }
 
+impl JudgedRun {
+    /// The dearest period as a share of the interpolation period, if it is longer and all else is good enough.
+    #[must_use]
+    pub fn is_only_too_slow(&self) -> Option<f64> {
+        let mut broken = self.requirements.iter().filter(|one| !one.holds());
+        let only = broken.next().filter(|one| one.what == DEAREST_PERIOD)?;
+        broken.next().is_none().then_some(only.found)
+    }
+}
+
 /// Adds a requirement: the dearest period must fit the interpolation period on at least one of the targets. The target
 /// on which it takes the least share counts. Nothing is added unless that share is known for all targets.
 fn demand_that_it_fits(run: &mut JudgedRun, targets: &[Target]) {
@@ -75,7 +88,7 @@ fn demand_that_it_fits(run: &mut JudgedRun, targets: &[Target]) {
     let Some(costs) = targets.iter().map(known).collect::<Option<Vec<_>>>() else { return };
     let Some((share, microseconds)) = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
     run.requirements.push(Requirement {
-        what: "dearest period in an interpolation period",
+        what: DEAREST_PERIOD,
         found: share,
         limit: 1.0,
         unit: "ratio",
