@@ -9,6 +9,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use domains::options::WORSE_BY;
 use format_compare::{Engine, Machine};
+use real::FormatName;
 use serde::Serialize;
 use serde_json::{Value, json};
 use target_cost::Target;
@@ -173,14 +174,29 @@ impl Baseline {
                     "{path} has a run in {format} by {engine}, and this comparison has none: give the options of the baseline"
                 );
             }
-            for name in old["cycles"].as_object().into_iter().flat_map(|costs| costs.keys()) {
-                if !targets.iter().any(|target| target.name == *name) {
+            for (name, cost) in old["cycles"].as_object().into_iter().flatten() {
+                let Some(target) = targets.iter().find(|target| target.name == *name) else {
                     bail!("{path} has costs on {name}, and this comparison has none: give --targets {name}");
+                };
+                if let Some([old, new]) = other_clock(cost, target, &old["format"]) {
+                    bail!(
+                        "{path} has costs on {name} at {old} MHz, and this comparison at {new}: give --clock {old}"
+                    );
                 }
             }
         }
         Ok(())
     }
+}
+
+/// The clock of an earlier cost and that of the target now, in MHz to seven digits, where they differ: all times differ then by
+/// as much.
+fn other_clock(cost: &Value, target: &Target, format: &Value) -> Option<[String; 2]> {
+    let old = cost["max"].as_f64()? / cost["microseconds_max"].as_f64()?;
+    let new = target.clock_mhz(FormatName::named(format.as_str()?)?)?.typical;
+    let shown = [old, new]
+        .map(|mhz| format!("{:.6e}", mhz).parse::<f64>().map(|mhz| mhz.to_string()).unwrap_or_default());
+    (shown[0] != shown[1]).then_some(shown)
 }
 
 /// The first key that two tables do not have alike, with both values.

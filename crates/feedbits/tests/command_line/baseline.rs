@@ -124,6 +124,11 @@ fn test_a_baseline_is_refused_before_the_work() {
     assert!(status == Some(2) && said.contains("has a run in \"I16F16\" by"), "{said}");
     let (status, said) = beside(folder, &base, &COMPARE[..4], &[]);
     assert!(status == Some(2) && said.contains("has costs on cortex-m4f"), "{said}");
+    // At another clock every time would be longer or shorter.
+    let (status, said) = beside(folder, &base, &[&COMPARE[..], &["--clock", "84"]].concat(), &[]);
+    let expected = "has costs on cortex-m4f at 168 MHz, and this comparison at 84: give --clock 168";
+    assert!(status == Some(2) && said.contains(expected), "{said}");
+    assert_eq!(beside(folder, &base, &[&COMPARE[..], &["--clock", "168"]].concat(), &[]).0, Some(0));
 }
 
 #[test]
