@@ -4,15 +4,15 @@ use askama::Template;
 use kernel_size::{Comparison, FormatRun, Registers, Sizing, StepPrice};
 
 use crate::chart::{Axis, Layout, draw};
+use crate::cost_table::cost_table;
 use crate::figure::{Entry, Figure};
-use crate::figures::ranges::{self, Ranges};
 use crate::frame::Frame;
 use crate::number;
 use crate::palette::{DASH_COUNT, HUE_COUNT, series};
+use crate::ranges::{self, Ranges};
 use crate::report::{Report, files};
 use crate::switch::Switch;
 use crate::table::{Cell, Column, Table};
-use crate::tables::cost_table;
 
 /// What the page of a kernel is made of.
 #[derive(Clone, Copy, Debug)]

@@ -17,37 +17,48 @@
 //! series is drawn by the least and the greatest value of each pixel column. So a picture of a million periods takes no
 //! more room than one of a thousand, and no extreme is lost.
 //!
+//! The feature `comparisons`, which is on unless you turn it off, brings [`Material`] and what is drawn of it.
+//!
 //! Names of parts and targets, and the command, are text from outside: `askama` and `svg` escape them, and `foreign-text` says what of
 //! them a page, a picture, a cell of CSV and the name of a file may hold.
 
+#![cfg_attr(
+    not(feature = "comparisons"),
+    allow(dead_code, reason = "some marks and axes are those of the pictures of a comparison alone")
+)]
+
 mod canvas;
 mod chart;
+#[cfg(feature = "comparisons")]
+mod comparison;
+mod cost_table;
 mod envelope;
+mod equal_scales;
 mod figure;
-mod figures;
 mod frame;
 mod kernel;
+mod levels;
 mod line_chart;
 mod log_page;
+mod log_path;
 mod log_path_point;
-mod material;
 mod number;
 mod palette;
+mod ranges;
 mod report;
-mod runs;
 mod set;
 mod sweep;
 mod switch;
 mod table;
-mod tables;
 mod thinned;
 
+#[cfg(feature = "comparisons")]
+pub use comparison::{Material, Schedule, Solver};
 pub use figure::Figure;
 pub use kernel::KernelPage;
 pub use line_chart::LineChart;
 pub use log_page::{LogLimitRow, LogPage};
 pub use log_path_point::LogPathPoint;
-pub use material::{Material, Schedule, Solver};
 pub use report::{Report, listed};
 pub use set::{PartOfSet, SetPage};
 pub use sweep::{Sweep, SweepCell, SweepCost, SweepResult};

@@ -3,8 +3,8 @@
 use askama::Template;
 
 use crate::figure::Figure;
-use crate::figures::log_path;
 use crate::frame::Frame;
+use crate::log_path;
 use crate::log_path_point::LogPathPoint;
 use crate::report::{Report, files};
 use crate::table::{Cell, Column, Table};

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::chart::{Axis, Layout, draw};
 use crate::figure::Figure;
-use crate::figures::path::{legend, level};
 use crate::frame::Frame;
+use crate::levels::{legend, level};
 use crate::number;
 use crate::report::{Report, files};
 use crate::table::{Cell, Column, Table};

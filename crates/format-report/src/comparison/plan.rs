@@ -3,8 +3,8 @@
 use format_compare::FeedSample;
 
 use crate::chart::{Axis, Layout, draw};
+use crate::comparison::material::Material;
 use crate::figure::{Entry, Figure};
-use crate::material::Material;
 
 /// Four pictures, or none if each format plans for itself.
 pub(crate) fn figures(material: &Material<'_>) -> Vec<Figure> {

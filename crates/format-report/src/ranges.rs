@@ -2,14 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use format_compare::Trace;
 use plotters::style::text_anchor::{HPos, VPos};
 use real::{FormatName, Histogram, RuntimeFormat, SignalRange};
 
 use crate::chart::{Axis, Layout, Plot, draw};
 use crate::figure::Figure;
 use crate::number;
-use crate::runs::RunView;
 
 /// The signals of a run.
 pub(crate) struct Ranges<'a> {
@@ -23,16 +21,6 @@ pub(crate) struct Ranges<'a> {
     pub(crate) signals: &'a BTreeMap<&'static str, SignalRange>,
     /// How large its values were.
     pub(crate) histograms: &'a BTreeMap<&'static str, Histogram>,
-}
-
-/// A picture for each run.
-pub(crate) fn figures(runs: &[RunView<'_>]) -> Vec<Figure> {
-    let of = |run: &RunView<'_>| {
-        let Trace { signals, histograms, .. } = run.trace?;
-        let (index, name, hue, format) = (run.index, run.name(), run.hue, run.row.format.as_str());
-        figure(&Ranges { index, name, hue, format, signals, histograms })
-    };
-    runs.iter().filter_map(of).collect()
 }
 
 /// The picture of a run; `None` if no signal had a value.

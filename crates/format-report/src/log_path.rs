@@ -1,8 +1,9 @@
 //! The path of a log, coloured by what it takes of limits.
 
-use super::path::{MOST_POINTS, equal_scales, legend, level};
 use crate::chart::{Layout, draw};
+use crate::equal_scales::{MOST_POINTS, equal_scales};
 use crate::figure::Figure;
+use crate::levels::{legend, level};
 use crate::log_path_point::LogPathPoint;
 use crate::number;
 use crate::thinned::thinned;

@@ -1,21 +1,24 @@
-//! The figures, each in a file.
+//! A comparison of number formats as a page: its pictures, each in a file, its tables, and the answer.
 
 mod bits;
 mod chord_error;
 mod cycles;
 mod evaluations;
 mod fluctuation;
-pub(crate) mod log_path;
+mod material;
 mod over_time;
-pub(crate) mod path;
+mod page;
+mod path;
 mod plan;
-pub(crate) mod ranges;
+mod ranges;
+mod runs;
 mod schedule;
 mod solvers;
+mod tables;
 
 use crate::figure::Figure;
-use crate::material::Material;
-use crate::runs::RunView;
+pub use material::{Material, Schedule, Solver};
+use runs::RunView;
 
 /// A chapter of the report: pictures that answer one question.
 pub(crate) struct Chapter {
@@ -31,6 +34,11 @@ impl Chapter {
     /// Whether a run is chosen.
     pub(crate) fn one_at_a_time(&self) -> bool {
         self.figures.iter().any(|figure| figure.of_run.is_some())
+    }
+
+    /// A picture for the page. The template inserts it without escaping.
+    fn shown(&self) -> impl Iterator<Item = (&Figure, String)> {
+        self.figures.iter().map(|figure| (figure, figure.inline()))
     }
 }
 

@@ -5,10 +5,10 @@ use plotters::style::text_anchor::{HPos, VPos};
 use target_cost::Measure;
 
 use crate::chart::{Axis, Layout, draw};
+use crate::comparison::material::Material;
+use crate::comparison::runs::RunView;
 use crate::figure::Figure;
-use crate::material::Material;
 use crate::number;
-use crate::runs::RunView;
 
 /// A picture for each target that the comparison was priced on.
 pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figure> {

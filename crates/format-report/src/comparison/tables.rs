@@ -1,9 +1,10 @@
-//! The tables of the report.
+//! The tables of a comparison.
 
-use format_compare::{Cost, Fluctuation, JudgedRun, Requirement, Verdict};
+use format_compare::{Fluctuation, JudgedRun, Requirement, Verdict};
 
-use crate::material::Material;
-use crate::runs::RunView;
+use crate::comparison::material::Material;
+use crate::comparison::runs::RunView;
+use crate::cost_table::cost_table;
 use crate::table::{Cell, Column, Table};
 
 /// The formats with their figures and verdicts.
@@ -94,59 +95,6 @@ pub(crate) fn margins(requirements: &[Requirement]) -> Table {
         title: "The recommended format against each requirement".into(),
         columns: columns.map(|(key, heading)| Column { key, heading }).to_vec(),
         rows: requirements.iter().map(row).collect(),
-    }
-}
-
-/// The columns of a cost, after those that say whose it is.
-const COST_COLUMNS: [(&str, &str); 9] = [
-    ("mean", "mean"),
-    ("worst", "worst"),
-    ("worst_low", "worst, low"),
-    ("worst_high", "worst, high"),
-    ("unit", "counted"),
-    ("worst_us", "worst [µs]"),
-    ("share_of_period", "share of the period"),
-    ("dsp_blocks", "DSP blocks"),
-    ("most_work_in", "most work in"),
-];
-
-/// A table of costs: `whose` are the columns before those of a cost, and `rows` their cells with the cost. `None` without a row.
-pub(crate) fn cost_table(
-    title: &str,
-    whose: &[(&'static str, &'static str)],
-    rows: Vec<(Vec<Cell>, &Cost)>,
-) -> Option<Table> {
-    let row = |(whose, cost): (Vec<Cell>, &Cost)| whose.into_iter().chain(cost_cells(cost)).collect();
-    let columns = whose.iter().chain(&COST_COLUMNS);
-    (!rows.is_empty()).then(|| Table {
-        name: "costs".into(),
-        title: title.into(),
-        columns: columns.map(|(key, heading)| Column { key, heading }).collect(),
-        rows: rows.into_iter().map(row).collect(),
-    })
-}
-
-fn cost_cells(cost: &Cost) -> Vec<Cell> {
-    match cost {
-        Cost::Known(cost) => vec![
-            Cell::Number(cost.mean),
-            Cell::Number(cost.max),
-            Cell::Number(cost.max_range[0]),
-            Cell::Number(cost.max_range[1]),
-            Cell::text(match cost.measure {
-                target_cost::Measure::Cycles => "cycles",
-                target_cost::Measure::Instructions => "instructions",
-            }),
-            Cell::maybe(cost.microseconds_max),
-            Cell::maybe(cost.share_of_period),
-            Cell::maybe(cost.dsp_blocks.map(Into::into)),
-            Cell::text(cost.dominating),
-        ],
-        Cost::Unknown { unknown } => {
-            let mut cells = vec![Cell::Nothing; COST_COLUMNS.len() - 1];
-            cells.push(Cell::text(format!("unknown: nobody publishes its {unknown}")));
-            cells
-        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! The papers' comparison: secant against Taylor expansions of first and second order, in f64.
 
 use crate::chart::{Axis, Layout, draw};
+use crate::comparison::material::Material;
+use crate::comparison::over_time::over_time;
 use crate::figure::{Entry, Figure};
-use crate::figures::over_time::over_time;
-use crate::material::Material;
 use crate::palette::DASH_COUNT;
 
 /// One picture; none if the solvers were not run.

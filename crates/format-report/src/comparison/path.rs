@@ -4,19 +4,17 @@ use std::ops::Range;
 
 use format_compare::Trace;
 
-use crate::chart::{Axis, Layout, WIDTH, draw};
-use crate::figure::{Entry, Figure};
-use crate::material::Material;
+use crate::chart::{Layout, draw};
+use crate::comparison::material::Material;
+use crate::comparison::runs::RunView;
+use crate::equal_scales::{MOST_POINTS, equal_scales};
+use crate::figure::Figure;
+use crate::levels::{legend, level};
 use crate::number;
-use crate::palette::LEVEL_COUNT;
-use crate::runs::RunView;
 use crate::thinned::thinned;
 
 /// Most parts that a path is cut into. Each has the colour of its worst period.
 const MOST_PARTS: usize = 400;
-
-/// Most points of all pictures of the path together: a page with so many is about a megabyte.
-pub(crate) const MOST_POINTS: usize = 60_000;
 
 /// Points that each of these pictures may have in any case.
 const FEW_POINTS: usize = 1500;
@@ -91,32 +89,6 @@ fn figure(
     Some(drawn.named(&name, &title, &caption).of_run(run.index).with_legend(legend(limit, "near rest")))
 }
 
-/// Axes with equal scales, the height that they need, and the size of a pixel in mm.
-pub(crate) fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32, f64) {
-    let bounds = |of: fn(&(f64, f64)) -> f64| {
-        let ends =
-            points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        (0.5 * (ends.0 + ends.1), ends.1 - ends.0)
-    };
-    let ((x_middle, x_size), (y_middle, y_size)) = (bounds(|p| p.0), bounds(|p| p.1));
-    // The frame is as wide as the picture less the vertical axis and the margins, and as high as it less the horizontal
-    // axis.
-    let (frame_width, least, most) = (f64::from(WIDTH) - 92.0, 160.0, 520.0);
-    let x_room = (1.1 * x_size).max(1e-6);
-    let y_room = (1.1 * y_size).max(1e-6);
-    let frame_height = (frame_width * y_room / x_room).clamp(least, most);
-    let per_pixel = (x_room / frame_width).max(y_room / frame_height);
-    let half = |pixels: f64| 0.5 * per_pixel * pixels;
-    let (across, up) = (half(frame_width), half(frame_height));
-    let axes = (
-        Axis::linear(x, x_middle - across..x_middle + across),
-        Axis::linear(y, y_middle - up..y_middle + up),
-    );
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 160 and 520")]
-    let height = frame_height as u32 + 60;
-    (axes, height, per_pixel)
-}
-
 /// The periods that do not begin where the one before ends: a rapid move was left out.
 fn jumps(trace: &Trace) -> Vec<usize> {
     let distance = |pair: &[[f64; 3]]| pair[1].iter().zip(&pair[0]).fold(0.0_f64, |d, (a, b)| d.hypot(a - b));
@@ -177,40 +149,9 @@ fn coloured_parts(trace: &Trace, full_step: f64, limit: f64) -> Vec<ColouredPart
     coloured_parts
 }
 
-/// The level of a fluctuation's colour: one level for each decade, the limit in the middle.
-pub(crate) fn level(fluctuation: f64, limit: f64) -> usize {
-    let beyond = (fluctuation / limit).log10().ceil();
-    let levels = || (0..LEVEL_COUNT).map(|level| (level, level as f64 - LEVEL_COUNT as f64 / 2.0 + 1.0));
-    levels().find(|(_, upper)| beyond <= *upper).map_or(LEVEL_COUNT - 1, |(level, _)| level)
-}
-
-/// The meaning of the colours; grey is for parts without a fluctuation.
-pub(crate) fn legend(limit: f64, grey: &str) -> Vec<Entry> {
-    let middle = LEVEL_COUNT / 2;
-    let name = |level: usize| {
-        let power = |offset: usize| 10.0_f64.powf(offset as f64 - middle as f64 + 1.0) * limit;
-        match level {
-            0 => format!("up to {}", number::short(power(0))),
-            _ if level + 1 == LEVEL_COUNT => format!("above {}", number::short(power(level - 1))),
-            _ if level + 1 == middle => format!("up to {}, the limit", number::short(power(level))),
-            _ => format!("up to {}", number::short(power(level))),
-        }
-    };
-    let levels = (0..LEVEL_COUNT).map(|level| Entry::area(&format!("f{level}"), &name(level)));
-    levels.chain([Entry::area("rest-fill", grey)]).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_level_is_a_decade_and_the_limit_is_the_middle() {
-        let levels = [1e-12, 5e-8, 1e-6, 1.01e-6, 1e-5, 2e-5, 1.0].map(|x| level(x, 1e-6));
-        assert_eq!(levels, [0, 2, 3, 4, 4, 5, 7]);
-        assert_eq!(legend(1e-6, "")[3].name, "up to 1.0·10⁻⁶, the limit");
-        assert_eq!(legend(1e-6, "")[7].name, "above 10.0·10⁻⁴".replace("10.0·10⁻⁴", "0.001"));
-    }
 
     /// Rapid moves are not drawn.
     #[test]

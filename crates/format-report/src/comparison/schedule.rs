@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use target_cost::{Kind, Measure, Placed, Target};
 
 use crate::chart::{Axis, Layout, draw};
+use crate::comparison::material::{Material, Schedule};
 use crate::figure::{Entry, Figure};
-use crate::material::{Material, Schedule};
 use crate::number;
 use crate::palette::HUE_COUNT;
 

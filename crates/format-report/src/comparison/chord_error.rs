@@ -1,10 +1,10 @@
 //! Chord error of each period in each format.
 
 use crate::chart::{Axis, Layout, draw};
+use crate::comparison::material::Material;
+use crate::comparison::over_time::over_time;
+use crate::comparison::runs::{RunView, entries};
 use crate::figure::Figure;
-use crate::figures::over_time::over_time;
-use crate::material::Material;
-use crate::runs::{RunView, entries};
 
 /// One picture of all runs.
 pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figure> {

@@ -1,10 +1,10 @@
 //! Fluctuation of each period in each format, with the fluctuation that comes from the format's resolution alone.
 
 use crate::chart::{Axis, Layout, draw};
+use crate::comparison::material::Material;
+use crate::comparison::over_time::over_time;
+use crate::comparison::runs::{RunView, entries};
 use crate::figure::Figure;
-use crate::figures::over_time::over_time;
-use crate::material::Material;
-use crate::runs::{RunView, entries};
 
 /// The runs in the order of drawing: from wide to narrow, then the recommended one, since the last is on top.
 fn in_front<'a, 'b>(series: &'b [(&'a RunView<'a>, Vec<f64>)]) -> Vec<&'b (&'a RunView<'a>, Vec<f64>)> {

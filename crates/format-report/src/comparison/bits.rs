@@ -4,10 +4,10 @@ use format_compare::Engine;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::chart::{Axis, Layout, draw};
+use crate::comparison::material::Material;
+use crate::comparison::runs::RunView;
 use crate::figure::Figure;
-use crate::material::Material;
 use crate::number;
-use crate::runs::RunView;
 
 /// One picture of all runs.
 pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figure> {

@@ -1,9 +1,9 @@
 //! A histogram of the evaluations of the curve in a period.
 
 use crate::chart::{Axis, Layout, draw};
+use crate::comparison::runs::{RunView, entries};
 use crate::figure::Figure;
 use crate::number;
-use crate::runs::{RunView, entries};
 
 /// One picture of all runs.
 pub(crate) fn figures(runs: &[RunView<'_>]) -> Vec<Figure> {
