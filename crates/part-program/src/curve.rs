@@ -662,7 +662,9 @@ mod tests {
     /// Over such a span a quadrature has no place but its ends to look at, and loses length.
     #[test]
     fn knots_a_rounding_apart_are_refused_where_the_curve_between_them_is_long() {
-        let up = |knot: f64, times: u32| (0..times).fold(knot, |knot, _| knot.next_up());
+        let close = |count: usize| -> Vec<f64> {
+            std::iter::successors(Some(0.5_f64), |knot| Some(knot.next_up())).take(count).collect()
+        };
         let inner = |degree: usize, inner: &[f64]| {
             let knots = [vec![0.0; degree + 1], inner.to_vec(), vec![1.0; degree + 1]].concat();
             let points = (0..knots.len() - degree - 1).map(|i| [20.0 * i as f64, 30.0 * (i % 2) as f64, 0.0]);
@@ -671,7 +673,6 @@ mod tests {
         };
         let jumps = |curve: &Nurbs| matches!(curve.faults()[..], [CurveFault::JumpsBetweenDoubles { .. }]);
         for degree in 1..=5 {
-            let close = |times: usize| -> Vec<f64> { (0..times).map(|k| up(0.5, k as u32)).collect() };
             assert!(jumps(&inner(degree, &close(degree + 1))), "degree {degree}: almost one knot too many");
             assert_eq!(inner(degree, &close(degree)).faults(), [], "degree {degree}: almost a corner");
             assert!(jumps(&inner(degree, &[1.0_f64.next_down()])), "degree {degree}: at the end");
