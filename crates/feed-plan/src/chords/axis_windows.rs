@@ -114,37 +114,44 @@ impl<R: Real, const D: usize> AxisWindows<'_, R, D> {
                     (Some((first, _, most)), Some(excess)) => Some((first, end, most.max(excess))),
                     (None, Some(excess)) => Some((window, end, excess)),
                     (run, None) => {
-                        found.extend(run.map(|run| self.slower(run)));
+                        run.into_iter().for_each(|run| self.slower(run, found));
                         None
                     }
                 };
             }
-            found.extend(run.map(|run| self.slower(run)));
+            run.into_iter().for_each(|run| self.slower(run, found));
         }
     }
 
-    /// The way of successive windows, of which the worst takes `excess` times the limit. Where the feed changes much in them, it is to
-    /// change more slowly.
-    fn slower(&self, (first, end, excess): (Window, usize, R)) -> TooFast<R> {
+    /// Adds the way of successive windows, of which the worst takes `excess` times the limit. A motion that is slower by a share takes the
+    /// second power of it of each acceleration, the third of each jerk. Where the feed changes much in the windows, it is to change more
+    /// slowly, and corners in them are to be passed more slowly too: what a corner takes of a limit is not less for a change of feed that is.
+    fn slower(&self, (first, end, excess): (Window, usize, R), found: &mut Vec<TooFast<R>>) {
         let root = if first.order == 2 { excess.sqrt() } else { cube_root(excess) };
         let share = (R::one() - R::one().ldexp(BELOW)) / root;
         let last = Window { end, ..first };
         let [from, to] = [first.setpoint(first.order, self.last()), last.setpoint(0, self.last())];
         let steps = self.setpoints.get(from..=to).unwrap_or_default().windows(2);
-        let ways = || steps.clone().map(|pair| pair[1].distance - pair[0].distance);
-        let highest = ways().fold(R::zero(), R::max);
-        let slowest = ways().fold(highest, R::min);
-        let limits = self.limits;
-        let slower = if slowest < highest.half() {
-            let most = Allowance::of_path(limits);
-            let square = share * share;
-            Slower::Changes { most, shares: Allowance { acceleration: square, jerk: square * share } }
-        } else {
-            let share = share / limits.interpolation_period;
-            Slower::Feed { feed: highest * share, at_corners: slowest * share }
-        };
+        let way_of = |pair: &[Setpoint<R, D>]| pair[1].distance - pair[0].distance;
+        let highest = steps.clone().map(way_of).fold(R::zero(), R::max);
+        let slowest = steps.clone().map(way_of).fold(highest, R::min);
         let [from, to] = [self.setpoint(first, first.order).distance, self.setpoint(last, 0).distance];
-        TooFast { from, to, way: self.setpoint(first, 0).distance - from, slower }
+        let way = self.setpoint(first, 0).distance - from;
+        let to_feed = share / self.limits.interpolation_period;
+        let (feed, at_corners) = (highest * to_feed, slowest * to_feed);
+        if slowest >= highest.half() {
+            found.push(TooFast { from, to, way, slower: Slower::Feed { feed, at_corners } });
+            return;
+        }
+        let square = share * share;
+        let shares = Allowance { acceleration: square, jerk: square * share };
+        let changes = Slower::Changes { most: Allowance::of_path(self.limits), shares };
+        let all = Slower::Feed { feed, at_corners: feed };
+        found.extend([changes, all].map(|slower| TooFast { from, to, way, slower }));
+        found.extend(steps.filter(|pair| pair[1].corners > pair[0].corners).map(|pair| {
+            let [from, to] = [pair[0].distance, pair[1].distance];
+            TooFast { from, to, way, slower: Slower::Feed { feed, at_corners: (to - from) * to_feed } }
+        }));
     }
 
     /// The last setpoints of windows of this width; beyond the section's ends the tool stands, or nothing is known.

@@ -375,6 +375,34 @@ mod tests {
         assert!(repaired > 2, "{repaired}");
     }
 
+    /// The last corner is so near to the end that the tool brakes from it on. The corner alone takes three quarters of the jerk that its
+    /// turn may take of an axis: slower changes of feed did not bring both below it in six trials.
+    #[test]
+    fn a_corner_from_which_the_tool_brakes_is_passed_more_slowly() {
+        let axis = AxisLimits { velocity: Some(0.3), acceleration: Some(1e-3), jerk: Some(1e-5) };
+        let junction = Junction::Deviation(0.01);
+        let limits =
+            KinematicLimits { junction, axes: [axis; 3], ..in_periods(1e-3, 25.0, 1000.0, 1e4, 1e-3) };
+        let bend = [[0.7, 2.0], [0.0, 0.62], [0.19, 0.14], [0.05, 0.0]];
+        let hatch = [[1.12, -0.21], [0.6, -0.06], [0.44, -0.23], [0.09, 0.09], [0.0, 0.0]];
+        for points in [&bend[..], &hatch] {
+            let curves = polyline(points);
+            let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+            let too_fast = |limit: &FeedLimit<f64>, arcs: &ScheduleBuf<f64>| {
+                let (_, followed) = limit.followed(&curves, arcs, &limits);
+                followed.iter().filter(|one| !one.too_fast.is_empty()).count()
+            };
+            for kind in [ProfileKind::Fastest, ProfileKind::SCurve] {
+                let planned = Planned::along(&curves, &limits, EndFeeds::default(), kind).unwrap();
+                let plain = plan_with(&planned.limit, &limits, EndFeeds::default(), kind).unwrap();
+                assert!(too_fast(&planned.limit, &plain) > 0, "{points:?} {kind:?}");
+                assert_eq!(too_fast(&planned.limit, &planned.arcs), 0, "{points:?} {kind:?}");
+                let [after, before] = [&planned.arcs, &plain].map(|plan| plan.as_schedule().periods() as f64);
+                assert!(after <= 1.06 * before, "{points:?} {kind:?}: {before} {after}");
+            }
+        }
+    }
+
     /// Rounding of f32 is more than a 256th of the chord error here: nearly every plan was lowered for it, by up to 5 % of its time.
     #[test]
     fn rounding_is_no_long_chord() {
