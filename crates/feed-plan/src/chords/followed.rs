@@ -37,8 +37,11 @@ pub(super) struct Followed<R> {
     pub(super) excess: R,
     /// The chords that leave the path too far, and the ways over which an axis takes too much.
     pub(super) too_fast: Vec<TooFast<R>>,
-    /// The ways over which the arcs of the run take more than the acceleration or jerk of the path.
+    /// The ways over which the arcs of the run take more than the acceleration or jerk of the path, to be passed with feeds that change more
+    /// slowly.
     pub(super) strained: Vec<TooFast<R>>,
+    /// The same in threes of steps, to be passed at lower feeds: where a bend makes arcs of like chords differ, only these help.
+    pub(super) strained_steps: Vec<TooFast<R>>,
 }
 
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
@@ -91,7 +94,9 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         if let Some(setpoints) = seen {
             too_fast.extend(windows(&setpoints, [begins_at_rest, rests[1]]));
         }
-        Some(Followed { lead, excess: judged.excess(), too_fast, strained: judged.strained })
+        let excess = judged.excess();
+        let Differences { strained, strained_steps, .. } = judged;
+        Some(Followed { lead, excess, too_fast, strained, strained_steps })
     }
 
     /// The setpoint at which a section begins.
@@ -172,6 +177,7 @@ struct Differences<R> {
     /// The largest shares of the limits that are taken.
     taken: Allowance<R>,
     strained: Vec<TooFast<R>>,
+    strained_steps: Vec<TooFast<R>>,
 }
 
 impl<R: Real> Differences<R> {
@@ -182,7 +188,8 @@ impl<R: Real> Differences<R> {
         let most = Allowance { acceleration, jerk: limits.jerk * period * period * period };
         let taken = Allowance { acceleration: R::zero(), jerk: R::zero() };
         let count = if rest { 2 } else { 0 };
-        Self { last: [R::zero(); 2], count, most, hidden, taken, strained: Vec::new() }
+        let (strained, strained_steps) = (Vec::new(), Vec::new());
+        Self { last: [R::zero(); 2], count, most, hidden, taken, strained, strained_steps }
     }
 
     /// Adds a step, which ends at a distance.
@@ -196,26 +203,31 @@ impl<R: Real> Differences<R> {
         self.taken.acceleration = self.taken.acceleration.max(acceleration);
         self.taken.jerk = self.taken.jerk.max(jerk);
         if acceleration.max(jerk) > R::one() + R::one().ldexp(SEEN) {
-            self.strain(end - (before + last + step), end, Allowance { acceleration, jerk }, limits);
+            self.strain([before, last, step], end, Allowance { acceleration, jerk }, limits);
         }
         self.last = [last, step];
         self.count = self.count.saturating_add(1);
     }
 
-    /// Adds a way over which so much of the limits is taken; ways that overlap are one.
-    fn strain(&mut self, from: R, to: R, taken: Allowance<R>, limits: &KinematicLimits<R>) {
+    /// Adds the way of three steps over which so much of the limits is taken; of ways that overlap the changes of feed are one's.
+    fn strain(&mut self, steps: [R; 3], end: R, taken: Allowance<R>, limits: &KinematicLimits<R>) {
         let most = Allowance::of_path(limits);
         let below = R::one() - R::one().ldexp(BELOW);
         let share = |taken: R| if taken > R::one() { below / taken } else { R::one() };
         let mut shares = Allowance { acceleration: share(taken.acceleration), jerk: share(taken.jerk) };
-        let mut begin = from;
+        let slow = shares.acceleration.sqrt().min(cube_root(shares.jerk));
+        let feed = steps.into_iter().fold(R::zero(), R::max) / limits.interpolation_period * slow;
+        let way = steps.into_iter().fold(R::zero(), |sum, step| sum + step);
+        let mut begin = end - way;
+        let slower = Slower::Feed { feed, at_corners: feed };
+        self.strained_steps.push(TooFast { from: begin, to: end, way, slower });
         if let Some(TooFast { from, slower: Slower::Changes { shares: others, .. }, .. }) =
-            self.strained.pop_if(|last| last.to >= from)
+            self.strained.pop_if(|last| last.to >= begin)
         {
             (begin, shares) = (from, shares.min(others));
         }
         let slower = Slower::Changes { most, shares };
-        self.strained.push(TooFast { from: begin, to, way: to - begin, slower });
+        self.strained.push(TooFast { from: begin, to: end, way: end - begin, slower });
     }
 
     /// The share by which the motion must be slowed down to keep acceleration and jerk; 0 if it keeps them.
