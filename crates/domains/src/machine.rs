@@ -92,7 +92,7 @@ pub const DEVIATION: Key = Key::number(
     "δ, with `\"deviation\"`: the distance by which a corner may be cut; passed corners are judged by the greater of δ and E",
 )
 .optional("");
-/// What of a table the machine's control does not state.
+/// The keys of a table whose values the machine's control does not state.
 pub const ASSUMED: Key = Key {
     name: "assumed",
     value: Value::Keys,
@@ -137,18 +137,18 @@ pub const VELOCITY_JUMP: Key = Key::number(
 
 /// From a millionth of a degree a second to nearly three hundred turns a second.
 const ROTARY_FEED: Domain = Domain::of(1e-6, 1e5, "degrees/s");
-/// The most of an axis that turns.
+/// The largest velocity of an axis that turns.
 pub const ROTARY_VELOCITY: Key =
     Key::number("velocity_deg_per_s", ROTARY_FEED, "the most of that axis").optional("");
-/// The most of an axis that turns.
+/// The largest acceleration of an axis that turns.
 pub const ROTARY_ACCELERATION: Key =
     Key::number("acceleration_deg_per_s2", Domain::of(1e-3, 1e8, "degrees/s²"), "the most of that axis")
         .optional("");
-/// The most of an axis that turns.
+/// The largest jerk of an axis that turns.
 pub const ROTARY_JERK: Key =
     Key::number("jerk_deg_per_s3", Domain::of(1e-3, 1e12, "degrees/s³"), "the most of that axis")
         .optional("");
-/// The most where the share of the path changes.
+/// The largest jump of its velocity where the angle that it turns along a mm of the path changes.
 pub const ROTARY_JUMP: Key = Key::number(
     "velocity_jump_deg_per_s",
     ROTARY_FEED,

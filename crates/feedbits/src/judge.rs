@@ -33,7 +33,8 @@ pub(crate) struct Arguments {
     /// Machine, whose limits are judged: a preset's name, or a file (TOML with a table `machine`) which may leave out any limit.
     #[arg(long, value_name = "NAME|FILE", add = ArgValueCompleter::new(candidates::machines))]
     machine: PathBuf,
-    /// Judge by the limits that the machine's file assumes as well, as plans of feedbits keep them. Default: by those that it states.
+    /// Judge by the limits that the machine's file assumes as well, as plans of feedbits keep them. Default: by those
+    /// that it states.
     #[arg(long)]
     assumed: bool,
     /// Which column is what, by number from 0 or by name: time=0,x=1,y=2,z=3,line=6; also time_ms and sample, the number that the

@@ -58,7 +58,8 @@ impl TargetArguments {
     /// The targets in the order of the options; targets of files that are not named come last.
     pub(crate) fn read(&self) -> Result<Vec<Target>> {
         let from_files = files(&self.target_file)?;
-        // Reading those that are built in takes as long as a fifth of a comparison in one format.
+        // The built-in targets are read only where a target is named: that takes as long as a fifth of a comparison in one
+        // format.
         let built_in = if self.targets.is_empty() { Vec::new() } else { built_in()? };
         let known: Vec<Target> = from_files.iter().cloned().chain(built_in).collect();
         let mut chosen: Vec<Target> = Vec::new();

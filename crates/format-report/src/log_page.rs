@@ -14,7 +14,7 @@ use crate::table::{Cell, Column, Table};
 pub struct LogLimitRow {
     /// Of what it is a limit.
     pub what: String,
-    /// The limit, with its unit.
+    /// The limit.
     pub limit: f64,
     /// The unit of the limit.
     pub unit: String,
@@ -24,9 +24,9 @@ pub struct LogLimitRow {
     pub taken: Option<f64>,
     /// The verdict, in a word or two.
     pub verdict: String,
-    /// Where: the row, and the line of the program.
+    /// The row of the log where the most is taken.
     pub row: Option<f64>,
-    /// The line of the program.
+    /// The line of the program there.
     pub line: Option<f64>,
 }
 

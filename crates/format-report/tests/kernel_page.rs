@@ -1,4 +1,5 @@
-//! The page of a kernel: everything that was found is on it, it needs nothing but the files beside it, and names change no element.
+//! The page of a kernel: everything that was found is on it, it needs nothing but the files beside it, and names change
+//! no element.
 
 use foreign_text::hostile::NAMES;
 use format_report::{KernelPage, Report};

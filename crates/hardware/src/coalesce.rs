@@ -1,5 +1,5 @@
-//! Registers that a copy joins become one where both never hold different values at a time: such a copy takes no word of microcode,
-//! neither in a straight way nor where a way is left.
+//! Copy coalescing: two registers that a copy connects become one, if they never hold different values at the same
+//! time. The copy then takes no word of microcode, neither within a way nor where a way is left.
 
 use std::cmp::Reverse;
 use std::collections::HashSet;
@@ -8,7 +8,8 @@ use crate::executor::Run;
 use crate::liveness::{Liveness, read_by, written_by};
 use crate::program::{BlockId, End, Op, Operand, Program, Register};
 
-/// Makes one register of those that copies join, the copies that the run made most often first, and takes these copies out.
+/// Joins the registers of each copy where that is allowed, and takes these copies out. The copies that the run made
+/// most often come first: a join may forbid a later one.
 pub(crate) fn coalesce(program: &mut Program, run: &Run) {
     let mut classes = Classes::of(program);
     for (to, from) in copies(program, run) {
@@ -43,12 +44,14 @@ fn copies(program: &Program, run: &Run) -> Vec<(Register, Register)> {
     found.into_iter().map(|(_, to, from)| (to, from)).collect()
 }
 
-/// Registers that have become one, and the pairs that cannot.
+/// Classes of registers that have become one, and the pairs that must stay apart.
 struct Classes {
-    /// For each register another one of its class that is nearer to the first; the first is its own.
+    /// For each register another one of its class, one link nearer to the register that stands for the class; that one
+    /// links to itself.
     nearer: Vec<Register>,
-    /// For the first of each class the registers, by the first of theirs or not yet, whose values are needed while it is written, or
-    /// the other way round.
+    /// For the register that stands for a class: the registers that it must stay apart from, since one is written while
+    /// the value of the other is still needed. The set may hold, besides the register that stands for another class,
+    /// members of that class.
     conflicts: Vec<HashSet<Register>>,
 }
 
@@ -61,7 +64,8 @@ impl Classes {
         for (id, block) in program.blocks.iter().enumerate() {
             let mut live = liveness.at_end(id).clone();
             if let End::Call { entry, then } = block.end {
-                // What passes a routine by must not be written in it.
+                // A register whose value is needed after the routine, and that the routine does not write, must not
+                // become one with a register that the routine writes.
                 let writes = liveness.writes_of(entry);
                 for passing in liveness.at_begin(then).iter().filter(|register| !writes.contains(register)) {
                     writes.iter().for_each(|written| this.forbid(*written, *passing));

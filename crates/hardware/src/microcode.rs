@@ -162,7 +162,8 @@ pub(crate) fn microcode(
     writer.finish()
 }
 
-/// The order of ways in memory. The ends that the run passed most often need no jump: what they lead to stands behind them.
+/// The order of ways in memory. A way whose end the run passed most often is followed by the way that it leads to, so
+/// that it needs no jump.
 fn layout(program: &Program, graphs: &HashMap<BlockId, Graph>, run: &Run) -> Vec<BlockId> {
     let mut heads = reached(program, graphs);
     heads[1..].sort_by_key(|head| Reverse(run.counts.get(*head).copied().unwrap_or(0)));

@@ -3,7 +3,7 @@
 use nurbs_core::Pieces;
 use real::{Backend, FormatName, Real};
 
-/// The units for the difference between a chord and the wanted chord.
+/// The largest difference between the chord of a step and the wanted one that the roundings of a format explain.
 ///
 /// A chord of L units (of 2⁻λ mm) is the root of a residual of order one. Each term of the residual is rounded to the
 /// format's resolution r. So the chord has a relative error of a few r. L itself is a multiple of r in fixed point, and
@@ -21,19 +21,19 @@ pub struct ChordBound {
     falling: f64,
 }
 
-/// See [`ChordBound`].
+/// The part of the bound in fixed point that does not grow with the chord, in units of the resolution.
 const ABSOLUTE: f64 = 8.0;
-/// See [`ChordBound`].
+/// One over the least weight W on a piece.
 const FALLING_WEIGHT: f64 = 1.5;
 
-/// See [`ChordBound`].
+/// The part of the bound that grows with the chord, in units of the resolution, for degree p.
 fn relative(degree: usize, is_rational: bool) -> f64 {
     let sums = degree * (degree + 1) / 2 * (1 + usize::from(is_rational));
     (40 + 4 * sums).max(64) as f64
 }
 
 impl ChordBound {
-    /// That of steps on these pieces.
+    /// The bound for steps on these pieces.
     #[must_use]
     pub fn of<R: Backend, const D: usize>(pieces: &Pieces<'_, R, D>) -> Self {
         Self {

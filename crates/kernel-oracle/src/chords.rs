@@ -1,7 +1,8 @@
 //! Steps from random places of random pieces, and over their joints, against the exact chord.
 //!
-//! A case is one to three Bézier curves, cut into pieces, and a few steps of random lengths along them. Each step begins where the one
-//! before ended, with whatever history that left. Its chord is measured in double-double, on pieces that are rounded to no format.
+//! A case is one to three Bézier curves, cut into pieces, and a few steps of random lengths along them. Each step
+//! begins where the one before ended, with whatever history that left. Its chord is measured in double-double, on
+//! pieces that are rounded to no format.
 
 use arbitrary::{Arbitrary, Unstructured};
 use nurbs_core::{CutPath, Joint, NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf};
@@ -33,7 +34,8 @@ pub struct ChordTally {
     pub formats: u32,
     /// Steps that were made.
     pub steps: u32,
-    /// Those of them whose chord was measured: not one that lands on the end, that lacked evaluations, or over which the path comes back.
+    /// Those of them whose chord was measured: not one that lands on the end, that lacked evaluations, or over which
+    /// the path comes back.
     pub measured: u32,
     /// Those of the measured ones that crossed a joint.
     pub crossed: u32,

@@ -1,7 +1,7 @@
 //! What a fixed-point format must make of an exact value, in integers of any size.
 //!
-//! Nothing here is shared with the crate that is judged: values are quotients of integers of `num-bigint`, and the rules of rounding and
-//! overflow are those of the table at [`Real`](real::Real), written out once more.
+//! Nothing here is shared with the crate that is judged: values are quotients of integers of `num-bigint`, and the
+//! rules of rounding and overflow are those of the table at [`Real`](real::Real), written out once more.
 
 use num_bigint::BigInt;
 use num_traits::{Euclid, One, Signed, ToPrimitive, Zero};
@@ -99,8 +99,8 @@ impl ExactFormat {
         }
     }
 
-    /// A quotient `n/d`: a tie goes away from zero, and what does not fit saturates. Over zero it is the extreme with the sign of `n`,
-    /// and 0 where that is 0 too.
+    /// A quotient `n/d`: a tie goes away from zero, and what does not fit saturates. Over zero it is the extreme with
+    /// the sign of `n`, and 0 where that is 0 too.
     pub(crate) fn quotient(&self, n: BigInt, d: BigInt) -> i64 {
         self.quotient_rounded(n, d, self.datapath.rounding)
     }

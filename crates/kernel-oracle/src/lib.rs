@@ -1,7 +1,8 @@
 //! `kernel-oracle`: one operation, one step, one period or one plan of a kernel, against what it must be.
 //!
-//! A case is drawn from bytes, by a fuzzer or a seeded generator, takes far less than a millisecond, and knows the right answer: by integers
-//! of any size, by double-double, or by the promise of a docstring. Whole paths are the matter of the crate `stress`.
+//! A case is drawn from bytes, by a fuzzer or a seeded generator, takes far less than a millisecond, and knows the
+//! right answer: by integers of any size, by double-double, or by the promise of a docstring. Whole paths are the
+//! matter of the crate `stress`.
 //!
 //! | question | answer |
 //! |---|---|

@@ -1,4 +1,5 @@
-//! Plans under limits that are tables of drawn points, without any geometry; and whether the check of plans sees a plan that is damaged.
+//! Plans under limits that are tables of drawn points, without any geometry; and whether the check of plans sees a plan
+//! that is damaged.
 
 use arbitrary::{Arbitrary, Unstructured};
 use feed_plan::{

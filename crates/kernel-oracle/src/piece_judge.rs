@@ -6,12 +6,12 @@ use real::Real;
 /// Part of a piece over which its direction is measured.
 const TANGENT: f64 = 1e-6;
 
-/// Cosine of the turn within a step over joints. If the path turns by more, the chord is not always found: the path comes back, and
-/// the chord shrinks before it grows.
+/// Cosine of the turn within a step over joints. If the path turns by more, the chord is not always found: the path
+/// comes back, and the chord shrinks before it grows.
 pub const RIGHT_ANGLE: f64 = 0.0;
 
-/// Cosine of the turn up to which the chord of a step over so many joints is found: 60° on one piece, where steps per chord are limited to
-/// a sixteenth above that of the piece's slowest point.
+/// Cosine of the turn up to which the chord of a step over so many joints is found: 60° on one piece, where steps per
+/// chord are limited to a sixteenth above that of the piece's slowest point.
 #[must_use]
 pub fn most_turn(joints: usize) -> f64 {
     if joints > 0 { RIGHT_ANGLE } else { 0.5 }

@@ -18,8 +18,8 @@ pub struct PlanPromises<'a> {
 const ROUNDING: f64 = 1e-9;
 
 impl PlanPromises<'_> {
-    /// Checks that the plan keeps feed, acceleration and jerk at every stage, joins its stages, travels in each as far as its feed
-    /// goes, ends at rest at the end, and stays under the limit.
+    /// Checks that the plan keeps feed, acceleration and jerk at every stage, joins its stages, travels in each as far
+    /// as its feed goes, ends at rest at the end, and stays under the limit.
     ///
     /// # Errors
     /// The first promise that is broken.

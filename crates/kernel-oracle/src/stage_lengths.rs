@@ -1,7 +1,7 @@
 //! The distances of periods over drawn stages, against the exact integral of the feed; and the clock that counts them.
 //!
-//! Stages begin and end anywhere in periods, and many may lie in one. Feeds and times of a case are numbers that every format holds, so
-//! that what a period differs by is the rounding of its own computation.
+//! Stages begin and end anywhere in periods, and many may lie in one. Feeds and times of a case are numbers that every
+//! format holds, so that what a period differs by is the rounding of its own computation.
 
 use arbitrary::{Arbitrary, Unstructured};
 use feed_plan::StageShape;
@@ -152,9 +152,10 @@ impl StageCase {
 
     /// Compares the distance of an interval with the integral.
     ///
-    /// Each stage of the interval adds a part: the mean of the shape, off by up to six units of the resolution, for the middle and the
-    /// width are cut and four products rounded; times the change of feed, which is at most 1; rounded with the feed to a digit of up to
-    /// 2; times the part's length, cut; and the sum is rounded. That is ten units at most, of a sum that is no more than 2.
+    /// Each stage of the interval adds a part: the mean of the shape, off by up to six units of the resolution, for the
+    /// middle and the width are cut and four products rounded; times the change of feed, which is at most 1; rounded
+    /// with the feed to a digit of up to 2; times the part's length, cut; and the sum is rounded. That is ten units at
+    /// most, of a sum that is no more than 2.
     fn demand<R: Backend>(&self, length: R, (from, to): (u64, u64)) -> Result<(), KernelFault> {
         let (mut begin, mut parts, mut exact) = (0, 0.0, DoubleDouble::from(0.0));
         for stage in &self.stages {

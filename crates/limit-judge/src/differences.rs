@@ -385,7 +385,7 @@ impl Differences {
         let along = [Some(r_mm); 2];
         let of = |judged: &Judged| {
             let limit = judged.limit;
-            // However a corner is rounded, the feed is what is commanded.
+            // The commanded feed holds at corners too, however they are rounded.
             let is_along =
                 matches!(limit.of, Of::Path | Of::Jump(_)) || limit.order == 0 && limit.of == Of::Vector;
             let within = if is_along { along } else { across };

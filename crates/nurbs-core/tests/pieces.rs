@@ -183,7 +183,8 @@ proptest! {
     }
 }
 
-/// The pieces of a curve; a curve that does not fit the format is none of the cases, of which as many are drawn as were asked for.
+/// The pieces of a curve; a curve that does not fit the format is none of the cases, of which as many are drawn as were
+/// asked for.
 fn compiled<R: Backend>(curve: &NurbsBuf<f64, 2>) -> Result<PiecesBuf<R, 2>, TestCaseError> {
     compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &LIMITS)
         .map_err(|error| TestCaseError::reject(error.to_string()))

@@ -98,9 +98,9 @@ pub enum Junction {
 }
 
 impl Junction {
-    /// How far a motion may be from its setpoints in windows that hold a corner, beside what is hidden everywhere, in mm: where corners are
-    /// passed as if rounded, the rounding may be that far away. `None` where the velocity may jump there: then no window with a corner is
-    /// judged.
+    /// How far a motion may be from its setpoints in windows that hold a corner, beside what is hidden everywhere, in
+    /// mm: where corners are passed as if rounded, the rounding may be that far away. `None` where the velocity may
+    /// jump there: then no window with a corner is judged.
     #[must_use]
     pub fn hidden_at_corners_mm(self) -> Option<f64> {
         match self {
@@ -198,11 +198,11 @@ pub struct RotaryLimits {
 /// The limits of a side axis, in its unit, degrees or mm, and seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SideLimits {
-    /// The most.
+    /// The largest velocity.
     pub velocity: Option<f64>,
-    /// The most.
+    /// The largest acceleration.
     pub acceleration: Option<f64>,
-    /// The most.
+    /// The largest jerk.
     pub jerk: Option<f64>,
     /// The largest jump of the velocity where the axis' share of the path changes.
     pub velocity_jump: Option<f64>,
@@ -283,7 +283,7 @@ pub struct StatedLimits {
     pub junction: Junction,
     /// Limits of single axes.
     pub axes: Axes,
-    /// What the file assumes. None of it is among the limits, but the junction.
+    /// The values that the file assumes. They are not among the limits above. The junction is: it cannot be assumed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub assumed: Vec<AssumedValue>,
 }
@@ -342,8 +342,8 @@ impl StatedLimits {
     }
 }
 
-/// Reads the limits of a machine file, each of which may be left out: a motion that was made is judged by those that its machine has, and not
-/// by those that the file assumes.
+/// Reads the limits of a machine file, each of which may be left out: a motion that was made is judged by those that
+/// its machine has, and not by those that the file assumes.
 ///
 /// # Errors
 /// Every fault of the text, each at its place.

@@ -265,6 +265,7 @@ thread_local! {
 /// reach only within the crate that has it.
 #[inline(never)]
 fn in_force(slot: usize) -> RuntimeFormat {
+    // Callers assert that the slot is one of these. The remainder shows it to the compiler, so that nothing can panic here.
     FORMATS.with(|formats| formats[slot % SLOTS].get())
 }
 

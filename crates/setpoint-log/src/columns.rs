@@ -74,7 +74,7 @@ pub(crate) struct Columns {
     pub(crate) unit: Option<LengthUnit>,
     /// Axes that the log has beside the three.
     pub(crate) other_axes: usize,
-    /// Two columns of one name, of which one is taken.
+    /// Two columns that have the same name, at least one of which is read.
     pub(crate) named_twice: Option<[usize; 2]>,
 }
 
@@ -172,7 +172,7 @@ impl Columns {
         Ok(columns)
     }
 
-    /// All columns that are taken.
+    /// All columns that are read.
     fn all(&self) -> Vec<usize> {
         let times = self.time.iter().map(|(index, _)| *index);
         let others = [self.sample, self.line, self.chord].into_iter().chain(self.axes).flatten();
@@ -190,7 +190,7 @@ impl Columns {
     }
 }
 
-/// A column that is taken, and another of the same name.
+/// The numbers of a column that is read and of another one with the same name, if there is one.
 fn twice<T: PartialEq>(names: &[T], taken: usize) -> Option<[usize; 2]> {
     let other = names.iter().enumerate().position(|(index, name)| index != taken && *name == names[taken])?;
     Some([taken.min(other), taken.max(other)])

@@ -1,9 +1,10 @@
 //! How even the feed is at cruise.
 //!
-//! A log says nothing of the feed that was planned, but at cruise that is the commanded one. Cruise is a stretch of steps L within a hundredth
-//! of F T, without its begin and its end as far as the steps grow or shrink there all the way: these are the last of a ramp. The fluctuation is
-//! the largest |1 - L / (F T)| of the rest. A step that passes corners counts by the sum of its legs. Where a control slows down by less than a
-//! hundredth and speeds up again, as for a corner, that counts too: a log does not tell its plan.
+//! A log does not say which feed was planned, but at cruise that is the commanded feed F. A stretch at cruise is a run of
+//! steps L that are within a hundredth of F T. The steps at its begin that only grow, or only shrink, are left out: they
+//! are the end of a ramp. So are those at its end. The fluctuation is the largest |1 - L / (F T)| of the others. A step
+//! that passes corners counts by the sum of its legs. Where a control slows down by less than a hundredth and speeds up
+//! again, as for a corner, that counts too: a log does not tell its plan.
 
 use serde::Serialize;
 
@@ -17,9 +18,9 @@ const AT_CRUISE: f64 = 0.01;
 pub struct Fluctuation {
     /// The largest share by which a step is longer or shorter than commanded.
     pub share: f64,
-    /// What the log's resolution makes of it at most: less is not seen.
+    /// The largest share that the resolution of the log alone may show.
     pub hidden: f64,
-    /// Where.
+    /// Where the largest share is.
     pub at: LogPlace,
     /// The line of the part.
     pub line: usize,
@@ -38,15 +39,16 @@ pub(crate) struct CruiseStep {
     pub(crate) line: usize,
 }
 
-/// The stretch that is being followed.
+/// The stretch at cruise that is being followed, in runs of steps that all grow or all shrink.
 #[derive(Clone, Copy, Debug)]
 struct Stretch {
     feed_mm: f64,
     last_mm: f64,
-    /// Whether steps grow (1), shrink (-1) or neither (0), since how long they do so, and the worst of them.
+    /// Whether the last steps grow (1), shrink (-1) or stay as they are (0).
     trend: i8,
+    /// The worst step of the run that goes on.
     run: Option<Fluctuation>,
-    /// Whether the run is the first, which may be the last of a ramp.
+    /// Whether the run is the first of the stretch, and so may be the end of a ramp.
     is_first: bool,
 }
 
@@ -58,11 +60,11 @@ pub(crate) struct Cruise {
 }
 
 impl Cruise {
-    /// Takes the next step, or one that is none, as where rows are missing.
+    /// Takes the next step; `None` where its length or its feed is not known, as where rows are missing.
     pub(crate) fn take(&mut self, step: Option<CruiseStep>) {
         let at_cruise = step.filter(|one| ((one.step_mm - one.feed_mm) / one.feed_mm).abs() <= AT_CRUISE);
         let Some(step) = at_cruise else {
-            // The last run of a stretch may be the first of a ramp.
+            // The last run of the stretch is dropped: it may be the begin of a ramp.
             self.stretch = None;
             return;
         };

@@ -19,7 +19,7 @@ const OVERRUN: &[u8] = b"overrun";
 /// The largest time, in s: three hundred years.
 const LATEST_S: f64 = 1e10;
 
-/// The largest whole number that a double tells from the next, 2⁵³.
+/// 2⁵³: up to here a double holds every whole number.
 const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
 /// A log of numbers that is being read.

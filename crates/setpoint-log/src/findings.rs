@@ -27,7 +27,8 @@ pub struct Judgement {
     pub doubled: Faults,
     /// Rows that are missing.
     pub missing: Faults,
-    /// Rows that are missing while the axes stand at the same place before and behind: by times a pause of the log, by numbers a loss.
+    /// Rows that are missing while the axes stand at the same place before and behind: by times a pause of the log, by
+    /// numbers a loss.
     pub missing_at_rest: Faults,
     /// The most rows that follow each other without a gap.
     pub longest_rows: u64,
@@ -37,7 +38,7 @@ pub struct Judgement {
     pub left_out: u64,
     /// By how much the time between two rows is off the period, beyond how the times are rounded, in s.
     pub uneven_s: f64,
-    /// What pictures show, where it was asked for.
+    /// The columns that pictures are drawn from, if [`LogOptions::traces`](crate::LogOptions::traces) asks for them.
     #[serde(skip)]
     pub trace: Vec<TraceColumn>,
     /// How the log follows a part, where one was given.
@@ -75,8 +76,8 @@ pub enum LimitVerdict {
     KeptWithin,
     /// No motion within the resolution keeps it.
     Broken,
-    /// No motion within the resolution keeps it, unless the path has a corner there, of which the machine may cut some: the log does not say
-    /// where corners are, and a part does.
+    /// No motion within the resolution keeps it, unless the path has a corner there, of which the machine may cut some:
+    /// the log does not say where corners are, and a part does.
     BrokenUnlessCorner,
     /// The log has no window without a gap over which it could be seen.
     NotJudged,
@@ -105,8 +106,8 @@ pub struct JudgedLimit {
     /// Where it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<LogPlace>,
-    /// Where the log does not decide: how far a motion that keeps the limit may be from the positions, in each axis, in mm. It is more than the
-    /// resolution where a window holds a corner that the machine may cut.
+    /// Where the log does not decide: how far a motion that keeps the limit may be from the positions, in each axis, in
+    /// mm. It is more than the resolution where a window holds a corner that the machine may cut.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seen_within_mm: Option<f64>,
     /// A log of positions within this, in mm, would decide whether the limit is kept, where this one does not.
@@ -115,7 +116,7 @@ pub struct JudgedLimit {
     /// Where the log does not decide: the least window over which it would show twice the limit, in periods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twice_shows_over_periods: Option<usize>,
-    /// The rows without a gap between them that it takes to see a share at all.
+    /// How many rows without a gap it takes to judge this limit at all.
     #[serde(skip)]
     pub rows_of_a_period: usize,
 }

@@ -47,7 +47,7 @@ impl<'a> Log<'a> {
         options: &LogOptions,
     ) -> Result<Self, LogError> {
         let text = begun(source)?;
-        // Moves are sampled at any period: an assumed one will do.
+        // A log of moves can be sampled at any period, so an assumed one will do.
         let stated_ms = machine.interpolation_period_ms.or(machine.assumed_value(None, PERIOD.name));
         let sampled_s = options.period_s.or(stated_ms.map(|period| 1e-3 * period));
         let marks_corners = MotanLog::begins(&text.head);

@@ -75,7 +75,8 @@ pub(crate) fn clock_limits(machine: &StatedLimits, period_s: f64) -> ClockLimits
     ClockLimits { period_s, change_mm }
 }
 
-/// What the machine's file does not limit, a sentence for each; what it assumes is none of its limits.
+/// A sentence for each limit that the machine's file does not state. A value that the file only assumes is no stated
+/// limit.
 pub(crate) fn not_stated(machine: &StatedLimits, feed_mm_per_s: Option<f64>) -> Vec<String> {
     let along = |name: &str, has: bool, of: &str, key: &Key| {
         let said = match machine.assumed_value(None, key.name) {

@@ -18,7 +18,7 @@ pub struct LogOptions {
     pub resolution_mm: Option<f64>,
     /// Whether the axes stand before the first row and behind the last. Else they do where the log shows it.
     pub from_rest_to_rest: bool,
-    /// Whether to keep what pictures show.
+    /// Whether to keep the columns that pictures are drawn from: [`Judgement::trace`](crate::Judgement::trace).
     pub traces: bool,
 }
 

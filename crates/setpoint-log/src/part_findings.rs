@@ -24,8 +24,8 @@ pub struct PartFindings {
     /// The largest distance that was asked for, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_mm: Option<f64>,
-    /// The largest distance of a curve from the straight line between two places on it that the log has behind each other: what straight
-    /// steps alone leave off the path, wherever the setpoints are. 0 where the part has no curves.
+    /// The largest distance of a curve from the straight line between two places on it that the log has behind each
+    /// other: what straight steps alone leave off the path, wherever the setpoints are. 0 where the part has no curves.
     pub chord_error: Off,
     /// The largest fluctuation of the feed at cruise, if the log has any.
     #[serde(skip_serializing_if = "Option::is_none")]

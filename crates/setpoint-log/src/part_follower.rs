@@ -112,18 +112,19 @@ impl<'p> PartFollower<'p> {
         (self.allowed_mm, self.step_mm) = (allowed_mm, step_mm);
         let ends_mm = [way_before, way].map(|way| self.path.length_to(way.segment, way.share));
         let near_mm = AT_CORNER_MM + hidden_mm;
-        // Where a corner is sharp, the place on the path may pass it a step late.
+        // At a sharp corner the place that is found on the path may pass the corner a step later than the tool.
         let turn = self.path.corner_between([ends_mm[0], ends_mm[1] + step_mm], near_mm);
         let corner = turn.filter(|_| unseen_mm <= 0.0).map(|turn| {
-            // Along the path the velocity changes by so much in half a period.
+            // By so much the acceleration along the path may change the step within half a period.
             let changed_mm = 0.5 * self.acceleration_mm;
-            // Of a place that is late the legs are too long: the step before, or this one, is straight.
+            // If the place passes the corner late, the length along the path is too long. The step before, or this one,
+            // is straight then, and its length is the right one.
             let legs_mm = (ends_mm[1] - ends_mm[0]).abs().min(straight_mm);
             Corner { turn, step_mm: (legs_mm - changed_mm).max(0.0) }
         });
         let passes_corner = self.path.corner_between(ends_mm, near_mm).is_some();
         let is_late = [way_before, way].iter().any(|way| way.off_2.sqrt() > near_mm);
-        // Of a step over a corner nobody knows the legs while the place is late.
+        // While the place is late, the length along the path of a step over a corner is not known.
         if !(passes_corner && is_late) {
             let legs_mm = if passes_corner { ends_mm[1] - ends_mm[0] } else { step_mm };
             let has_seen = unseen_mm <= 0.0 && self.path.is_feed(way.segment);
@@ -132,7 +133,8 @@ impl<'p> PartFollower<'p> {
         OnPath { feed_mm: allowed_mm, corner }
     }
 
-    /// Notes the chord error of a step between two places, and its length if that is known, which is to be the commanded one at cruise.
+    /// Notes the chord error of a step between two places, and its length for the fluctuation at cruise. `step_mm` is
+    /// `None` where the length is not known: then neither is noted.
     fn note_evenness(&mut self, at: &LogPlace, [from, to]: [Way; 2], step_mm: Option<f64>, hidden_mm: f64) {
         let [first, last] = [from, to].map(|way| self.path.segments[way.segment].of_move);
         let line = self.path.moves[last].line;
@@ -273,7 +275,7 @@ impl<'p> PartFollower<'p> {
         }
     }
 
-    /// The length of some segments of the path, of those that such a log shows, in mm.
+    /// The length of some segments of the path, in mm. Rapid moves do not count where the log leaves them out.
     fn seen_length_mm(&self, segments: std::ops::Range<usize>) -> f64 {
         let shown = segments.filter(|segment| !self.leaves_rapids_out || self.path.is_feed(*segment));
         shown.map(|segment| self.path.so_far_mm[segment + 1] - self.path.so_far_mm[segment]).sum()

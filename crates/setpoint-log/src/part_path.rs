@@ -146,8 +146,8 @@ impl PartPath {
         }
     }
 
-    /// By how much each component of the unit tangent changes at the sharpest corner between two places of the path, in mm from its begin,
-    /// or within `near_mm` of them.
+    /// By how much each component of the unit tangent changes at the sharpest corner between two places of the path, in
+    /// mm from its begin, or within `near_mm` of them.
     pub(crate) fn corner_between(&self, [from_mm, to_mm]: [f64; 2], near_mm: f64) -> Option<[f64; 3]> {
         let begin = from_mm.min(to_mm) - near_mm;
         let first = self.corners.partition_point(|(vertex, _)| self.so_far_mm[*vertex] < begin);
@@ -156,8 +156,8 @@ impl PartPath {
         met.map(|(_, turn)| *turn).max_by(|one, other| norm(one).total_cmp(&norm(other)))
     }
 
-    /// The largest distance of the path between two places on segments of one curve from their chord, in mm; `None` if they are on no curve
-    /// or on two.
+    /// The largest distance of a curve from the chord between two places on it, in mm, of those at a quarter, half and
+    /// three quarters of the way in u; `None` if the places are on no curve, or on two.
     pub(crate) fn chord_error_mm(&self, from: (usize, f64), to: (usize, f64)) -> Option<f64> {
         let own = |(segment, share): (usize, f64)| {
             let Segment { of_move, u, is_gap } = self.segments[segment];

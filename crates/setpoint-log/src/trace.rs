@@ -1,16 +1,16 @@
 //! What a picture shows of a log, in memory that does not grow with it.
 //!
-//! The log is cut into columns of equal numbers of periods. Each keeps the least and the greatest of every quantity, where its first setpoint
-//! is, and the largest share of a limit that is taken in it beyond what the resolution hides: of a k-th difference Δ that is
-//! `(|Δ| - 2ᵏ r) / M`. Once there are too many columns, each two become one.
+//! The log is cut into columns of equal numbers of periods. Each keeps the least and the greatest of every quantity,
+//! where its first setpoint is, and the largest share of a limit that is taken in it beyond what the resolution hides:
+//! of a k-th difference Δ that is `(|Δ| - 2ᵏ r) / M`. Once there are too many columns, each two become one.
 
 use limit_judge::{Of, StatedLimit};
 
 /// Columns at most: some for each pixel of a picture.
 const MOST_COLUMNS: usize = 1 << 13;
 
-/// The quantities of a column, in this order: the speed along the path in mm/s; the acceleration in mm/s², and the jerk in mm/s³, of X, Y
-/// and Z.
+/// How many quantities a column has. Their order: the speed along the path in mm/s; the acceleration in mm/s² of X, Y
+/// and Z; the jerk in mm/s³ of X, Y and Z.
 pub const QUANTITIES: usize = 7;
 
 /// The periods that a picture shows in one place.
@@ -26,7 +26,7 @@ pub struct TraceColumn {
     pub extremes: [Option<[f64; 2]>; QUANTITIES],
     /// The largest share of a limit.
     pub share: f64,
-    /// Its number, of columns as wide as they are now.
+    /// Its number: that of its first period over the present width of a column.
     index: u64,
 }
 
@@ -143,10 +143,10 @@ impl Trace {
 }
 
 impl TraceColumn {
-    /// Takes what the column behind it has.
-    fn join(&mut self, behind: &Self) {
-        self.share = self.share.max(behind.share);
-        for (own, other) in self.extremes.iter_mut().zip(behind.extremes) {
+    /// Takes in the next column.
+    fn join(&mut self, next: &Self) {
+        self.share = self.share.max(next.share);
+        for (own, other) in self.extremes.iter_mut().zip(next.extremes) {
             *own = joined(*own, other);
         }
     }
@@ -204,7 +204,7 @@ mod tests {
         }
     }
 
-    /// A pause of a year takes one column, or none.
+    /// A pause of a year makes no columns of its own.
     #[test]
     fn a_pause_takes_no_room() {
         let mut trace = traced(10, |_| 0.0);

@@ -11,6 +11,7 @@ use crate::machine_limits::LogLimit;
 
 /// Motions keep the limits that a machine states up to their last digits.
 const SLACK: f64 = 1e-6;
+
 /// What is common to the verdicts on a log.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Verdicts {
@@ -20,8 +21,8 @@ pub(crate) struct Verdicts {
 }
 
 impl Verdicts {
-    /// On a limit by what was found; `at_corners` is what is found if every turn of the log may be a corner of the path, where that is not
-    /// known.
+    /// On a limit by what was found; `at_corners` is what is found if every turn of the log may be a corner of the
+    /// path, where that is not known.
     pub(crate) fn of(
         &self,
         limit: &LogLimit,
@@ -42,7 +43,7 @@ impl Verdicts {
         let spread = if limit.stated.of == Of::Vector { 3.0_f64.sqrt() } else { 1.0 };
         let is_open = verdict == LimitVerdict::KeptWithin;
         let seen_within_mm = found.seen_within_mm.filter(|_| is_open).unwrap_or(self.r_mm * spread) / spread;
-        // What a deviation at corners hides, no finer log shows.
+        // No finer log shows what the deviation at corners hides.
         let decided_below_mm = found.decided_below_mm / spread - (seen_within_mm - self.r_mm).max(0.0);
         JudgedLimit {
             what: limit.stated.what(),
@@ -68,7 +69,7 @@ impl Verdicts {
     fn twice_shows_over(&self, limit: &LogLimit, hidden_mm: f64) -> Option<usize> {
         let order = i32::try_from(limit.stated.order + 1).ok()?;
         let most_mm = match (limit.stated.of, limit.stated.order) {
-            // Of a feed the limit is the share of what is commanded.
+            // The limit of the feed is a share of the commanded one: here its value is needed.
             (Of::Vector, 0) => limit.value * self.period_s,
             _ => limit.stated.most,
         };

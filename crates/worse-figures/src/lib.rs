@@ -23,7 +23,7 @@
 
 use std::collections::BTreeMap;
 
-/// The share of its limit below which a figure is negligible: there it counts as this share.
+/// A figure may grow by a share of itself, and at least by that share of this part of its limit.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// Figures of a run, by their names.
@@ -45,7 +45,7 @@ impl Figures {
         self.0.insert(name, Figure { value, limit, words: &[] });
     }
 
-    /// Adds a number that counts as `least` where it is less.
+    /// Adds a number that may grow by the share of `least` where it is less than that.
     pub fn add_from(&mut self, name: String, value: f64, least: f64) {
         self.add(name, value, least / NEGLIGIBLE);
     }

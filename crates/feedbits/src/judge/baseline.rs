@@ -1,7 +1,8 @@
 //! `judge --baseline`: a log beside an earlier one of the same machine, and of the same part where one is followed.
 //!
-//! Figures of which less is better are compared one by one: what is taken of each limit, rows that are there twice or missing, and how the log
-//! follows its part. A row that was there and is gone counts as worse, as in `compare`; new rows are named.
+//! Figures of which less is better are compared one by one: what is taken of each limit, rows that are there twice or
+//! missing, and how the log follows its part. A row that was there and is gone counts as worse, as in `compare`; new
+//! rows are named.
 
 use std::path::PathBuf;
 

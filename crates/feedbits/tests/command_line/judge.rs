@@ -105,8 +105,8 @@ const SETTINGS: &str = "[EMC]\n[EMCMOT]\nSERVO_PERIOD = 1000000\n[TRAJ]\nLINEAR_
      MAX_LINEAR_ACCELERATION = 1000\n[AXIS_X]\nMAX_VELOCITY = 40\nMAX_ACCELERATION = 1000\n[AXIS_Y]\nMAX_VELOCITY = 40\n\
      MAX_ACCELERATION = 1000\n";
 
-/// The settings of a control, which bounds neither the jerk nor the feed of the path, become limits of a log as they are. The plan of such a
-/// file has a jerk and a feed, which are told and not judged.
+/// The settings of a control, which bounds neither the jerk nor the feed of the path, become limits of a log as they
+/// are. The plan of such a file has a jerk and a feed, which are told and not judged.
 #[test]
 fn a_log_is_judged_by_the_settings_of_its_control() {
     let folder = tempfile::tempdir().expect("a folder");

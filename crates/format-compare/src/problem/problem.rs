@@ -183,8 +183,8 @@ impl<const D: usize> Problem<D> {
         self.within_side_axes(limit, |_, number| Ok(number))
     }
 
-    /// The limit of the feed, in mm and periods, with what the side axes leave for the path. `number` makes a number of the format, which
-    /// may be infinite.
+    /// The limit of the feed, in mm and periods, with what the side axes leave for the path. `number` makes a number of
+    /// the format, which may be infinite.
     pub(crate) fn within_side_axes<R: Real, E: From<PlanError>>(
         &self,
         limit: FeedLimit<R>,

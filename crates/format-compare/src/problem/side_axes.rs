@@ -1,9 +1,9 @@
 //! The side axes of a problem, A, B, C, U, V and W: where they are along the curves, and what their limits leave for the path.
 //!
-//! Along a curve of length L an axis that moves by Δq has `q' = Δq/L`, and takes q' times the feed, the acceleration and
-//! the jerk of the path. Its limits are those of the path over |q'|. Between two curves q' jumps by Δq', and the axis'
-//! velocity by Δq' v: such a joint is passed at `v = p/|Δq'|` for a jump p that is allowed, and where that is too slow the machine
-//! rests there.
+//! Along a curve of length L an axis that moves by Δq has `q' = Δq/L`, and takes q' times the feed, the acceleration
+//! and the jerk of the path. Its limits are those of the path over |q'|. Between two curves q' jumps by Δq', and the
+//! axis' velocity by Δq' v: such a joint is passed at `v = p/|Δq'|` for a jump p that is allowed, and where that is too
+//! slow the machine rests there.
 
 use nurbs_core::{Evaluate, NurbsBuf, arc_length};
 use part_program::{Machine, Part, SIDE_AXES, SideLimits, SideMove};
@@ -28,8 +28,9 @@ const COLUMNS: [&str; 6] = ["a_deg", "b_deg", "c_deg", "u_mm", "v_mm", "w_mm"];
 /// What the side axes do along the curves of a problem. Empty unless one moves while the tool cuts.
 #[derive(Clone, Debug, Default)]
 pub struct SideAxes {
-    /// Numbers of the axes that move, and how each moves along curves, by the numbers of the problem's curves, in order.
+    /// Numbers of the axes that move.
     axes: Vec<usize>,
+    /// How the axes move, in the order of the problem's curves, by whose numbers they are known.
     moves: Vec<SideMove>,
     /// q' of all axes along the curve of each move, in degrees and mm a mm.
     slopes: Vec<[f64; 6]>,
@@ -46,7 +47,7 @@ pub(crate) struct SideMost {
 }
 
 impl SideAxes {
-    /// The side axes of a part, of which these curves are taken. A part that moves none while these are cut has none.
+    /// The side axes of a part, along those of its curves whose numbers are in `taken`. Empty if no axis moves along these.
     pub(crate) fn of<const D: usize>(part: &Part, taken: &[usize], curves: &[NurbsBuf<f64, D>]) -> Self {
         let mut moves: Vec<SideMove> = Vec::new();
         for one in &part.side_moves {

@@ -25,7 +25,8 @@ fn datapaths() -> impl Iterator<Item = Datapath> {
         .flat_map(|rounding| Overflow::ALL.map(|overflow| Datapath { rounding, overflow }))
 }
 
-/// Every pair of operands of every operation in I2F6. An operation of three or four takes them from the pair and from what follows it.
+/// Every pair of operands of every operation in I2F6. An operation of three or four takes them from the pair and from
+/// what follows it.
 #[test]
 fn every_pair_of_operands_of_a_small_format() {
     let mut pairs = 0_u32;

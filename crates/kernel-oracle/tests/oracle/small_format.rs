@@ -1,4 +1,5 @@
-//! A format of eight bits, I2F6, on every input that it has: stage shapes, and chords from every place of a piece without a history.
+//! A format of eight bits, I2F6, on every input that it has: stage shapes, and chords from every place of a piece
+//! without a history.
 
 use feed_plan::StageShape;
 use nurbs_core::{NurbsBuf, PieceLimits, Pieces, compile};

@@ -53,8 +53,9 @@ fn marlin_12491_a_ramp_ends_in_a_jump() {
     assert!((x.max - 1_970_000.0 / 2_097_152.0).abs() < 1e-6, "{}", x.max);
 }
 
-/// 128 · 8000²/2 is 4.096e9 at 2400 rpm, which wraps to -198967296 and gives the thread's -1989672 for 100 steps/s². It wraps first
-/// at 1738 rpm, so in step 289, of 1740 rpm. At 6 rpm the thread's sharp ramp up has 0 microsteps, where the ramp down takes 256.
+/// 128 · 8000²/2 is 4.096e9 at 2400 rpm, which wraps to -198967296 and gives the thread's -1989672 for 100 steps/s². It
+/// wraps first at 1738 rpm, so in step 289, of 1740 rpm. At 6 rpm the thread's sharp ramp up has 0 microsteps, where
+/// the ramp down takes 256.
 #[test]
 fn stepper_driver_138_a_motor_never_brakes() {
     let found = judged("brake-steps");
@@ -190,8 +191,8 @@ fn allwpilib_469_a_sum_does_not_return_to_zero() {
     assert_eq!(found.as_reported.first_bad_step, Some(4007));
 }
 
-/// A guess leaves the part 1 - p′/s of the error, p′ = 2√ε the slope at the root and s = 1 that of the chord: for ε = 10⁻⁴ this takes
-/// ln(10⁻⁴ 2³⁰)/0.02, some 580 guesses.
+/// A guess leaves the part 1 - p′/s of the error, p′ = 2√ε the slope at the root and s = 1 that of the chord: for ε =
+/// 10⁻⁴ this takes ln(10⁻⁴ 2³⁰)/0.02, some 580 guesses.
 #[test]
 fn klipper_3142_a_search_for_a_step_time_creeps() {
     let found = judged("step-time");

@@ -28,8 +28,8 @@ fn along<const D: usize>(curves: impl Strategy<Value = NurbsBuf<f64, D>>) -> imp
 /// The run in a type of its own, whose steps must be those of the audited run.
 type Plain<const D: usize> = fn(&Path<D>, &Settings) -> Result<Figures, CompileError>;
 
-/// Runs once under audit and once plainly: to the end, forward, the same, and in fixed point within the proven bounds. False for a
-/// format that does not fit, which is refused before.
+/// Runs once under audit and once plainly: to the end, forward, the same, and in fixed point within the proven bounds.
+/// False for a format that does not fit, which is refused before.
 fn keeps_its_promises<const D: usize>(
     (name, plain): (&str, Option<Plain<D>>),
     path: &Path<D>,

@@ -30,7 +30,8 @@ fn limit(log: &str, machine: &str, has_part: bool, what: &str) -> JudgedLimit {
     found.limits.iter().find(|limit| limit.what == what).unwrap_or_else(|| panic!("{found:?}")).clone()
 }
 
-/// A corner at Δv takes Δv²/(16 δ A) of the acceleration: with δ of 0.01 mm and A of 640 mm/s², 9 mm/s takes 0.79, and 12 mm/s 1.41.
+/// A corner at Δv takes Δv²/(16 δ A) of the acceleration: with δ of 0.01 mm and A of 640 mm/s², 9 mm/s takes 0.79, and
+/// 12 mm/s 1.41.
 #[test]
 fn a_corner_is_judged_within_the_deviation_where_the_part_has_it() {
     let machine = machine("junction = \"deviation\"\njunction_deviation_mm = 0.01", "");
@@ -83,7 +84,8 @@ fn a_jump_of_velocity_is_judged_at_the_corners_of_the_part() {
     }
 }
 
-/// Chords of 0.05 mm are off a circle of 10 mm by L²/(8 R), and shorter than their arcs by (L/R)²/24; a step that is 2e-4 too long is found.
+/// Chords of 0.05 mm are off a circle of 10 mm by L²/(8 R), and shorter than their arcs by (L/R)²/24; a step that is
+/// 2e-4 too long is found.
 #[test]
 fn chord_error_and_fluctuation_are_those_of_the_motion() {
     let mut motion = circle(true);
@@ -102,8 +104,8 @@ fn chord_error_and_fluctuation_are_those_of_the_motion() {
     );
 }
 
-/// Behind a corner sharper than a right angle a setpoint's nearest place is still on the move before it: it was taken for one that passes no
-/// corner, and a run of ours that `compare` calls good broke 42 times its jerk there.
+/// Behind a corner sharper than a right angle a setpoint's nearest place is still on the move before it: it was taken
+/// for one that passes no corner, and a run of ours that `compare` calls good broke 42 times its jerk there.
 #[test]
 fn a_corner_that_turns_back_is_passed_in_the_step_that_passes_it() {
     let machine = machine("junction = \"deviation\"\njunction_deviation_mm = 0.01", "");
@@ -134,8 +136,8 @@ fn a_corner_that_turns_back_is_passed_in_the_step_that_passes_it() {
     }
 }
 
-/// A log that has the length of each step and leaves rapid moves out, as ours, skips none of the path and does not end early: not before
-/// the first cut, between cuts or behind the last.
+/// A log that has the length of each step and leaves rapid moves out, as ours, skips none of the path and does not end
+/// early: not before the first cut, between cuts or behind the last.
 #[test]
 fn rapid_moves_that_a_log_leaves_out_are_no_fault() {
     let part = "G21 G90\nG0 Z30\nG0 X90 Y90\nG0 X0 Y0\nG0 Z0\nG1 X60 F3000\nG0 Z5\nG0 X0 Y50\nG0 Z0\nG1 X60\nG0 Z30\nG0 X0 Y0\n";

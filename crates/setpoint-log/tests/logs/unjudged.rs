@@ -40,7 +40,8 @@ fn what_is_assumed_is_told_and_not_judged() {
     assert!(judged(&corner(SOUND, SOUND).log(6), &assumed, None).unwrap().faults().is_empty());
 }
 
-/// Where a log does not decide, it says over which window it would show twice the limit, and whether it has rows enough without a gap.
+/// Where a log does not decide, it says over which window it would show twice the limit, and whether it has rows enough
+/// without a gap.
 #[test]
 fn the_window_that_would_show_an_excess_is_told() {
     let limit = |log: &str, what: &str| {

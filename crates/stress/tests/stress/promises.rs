@@ -91,8 +91,8 @@ impl Asked {
     }
 }
 
-/// Draws until so many paths were planned and each promise was asked twice, up to ten times as many: the narrowest format refuses most
-/// paths in space.
+/// Draws until so many paths were planned and each promise was asked twice, up to ten times as many: the narrowest
+/// format refuses most paths in space.
 fn keeps_every_promise<const D: usize>(cases: u32) {
     let least = config(cases).cases;
     let (asked, planned) = (RefCell::new(Asked::default()), Cell::new(0));
