@@ -81,19 +81,19 @@ pub(crate) fn not_stated(machine: &StatedLimits, feed_mm_per_s: Option<f64>) -> 
     let along = |name: &str, has: bool, of: &str, key: &Key| {
         let said = match machine.assumed_value(None, key.name) {
             Some(value) => format!("{name}: the machine's file assumes {} {}", shown(value), key.unit()),
-            None => format!("{name}: {of} states none"),
+            None => format!("{name}: {of}"),
         };
         (!has).then_some(said)
     };
     let of_path = [
-        along("feed", feed_mm_per_s.is_some(), "neither the machine nor a part", &FEEDRATE),
+        along("feed", feed_mm_per_s.is_some(), "neither the machine nor a part states one", &FEEDRATE),
         along(
             "acceleration along the path",
             machine.acceleration_mm_per_s2.is_some(),
-            "the machine",
+            "the machine states none",
             &ACCELERATION,
         ),
-        along("jerk along the path", machine.jerk_mm_per_s3.is_some(), "the machine", &JERK),
+        along("jerk along the path", machine.jerk_mm_per_s3.is_some(), "the machine states none", &JERK),
     ];
     let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
     let of_axes = [

@@ -48,9 +48,8 @@ pub(crate) fn said(name: &str, found: &Judgement, faults: &[String]) -> String {
     match (faults.len(), hidden) {
         (0, 0) if found.limits.is_empty() => format!("{name}: the machine states no limit."),
         (0, _) if at_corners > 0 => {
-            format!(
-                "{name}: no limit is broken for certain; {at_corners} are, unless the path has corners there."
-            )
+            let those = if at_corners == 1 { "one is".to_string() } else { format!("{at_corners} are") };
+            format!("{name}: no limit is broken for certain; {those}, unless the path has corners there.")
         }
         (0, 0) if unseen > 0 => {
             format!(

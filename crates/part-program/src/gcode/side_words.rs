@@ -148,7 +148,9 @@ impl Reader<'_, '_, '_> {
         let text = self.report.source.slice(span);
         let message =
             format!("`{text}` turns the part alone: the tool rests, for how long is no part of the path");
-        self.report.of_kind(false, span, format!("{:?} alone", text.get(..1)), message).note();
+        self.report
+            .of_kind(false, span, format!("{} alone", text.get(..1).unwrap_or_default()), message)
+            .note();
         for axis in (0..SIDE_AXES.len()).filter(|axis| from[*axis] != to[*axis]) {
             self.rest_at_turn(axis, to[axis], span);
         }
