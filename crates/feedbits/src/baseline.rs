@@ -20,8 +20,8 @@ use crate::input::Text;
 use crate::numbers::number;
 use crate::{files, output};
 
-/// The version of the JSON of `compare` and `size`. It grows when a key goes or changes its meaning.
-const SCHEMA: u64 = 1;
+/// The version of the JSON of `compare`, `size` and `judge`. It grows when a key goes or changes its meaning.
+pub(crate) const SCHEMA: u64 = 1;
 
 /// The end of a command's name in the JSON of a set of parts.
 const OF_SET: &str = "-set";
@@ -223,9 +223,12 @@ fn figures_of_log(result: &Value) -> Figures {
         result["limits"].as_array().into_iter().flatten().filter(|one| one["verdict"] != "not_judged");
     for limit in judged {
         let what = limit["what"].as_str().unwrap_or_default();
-        for (key, how) in [("raw", "as it is"), ("taken", "at least")] {
-            if let Some(share) = limit[key].as_f64() {
-                figures.add(format!("{what}, share of its limit {how}"), share, 1.0);
+        let [raw, taken] = ["raw", "taken"].map(|key| limit[key].as_f64());
+        // The same motion, sampled a little later, may differ by what the resolution makes of it.
+        let least = raw.zip(taken).map_or(0.0, |(raw, taken)| raw - taken);
+        for (share, how) in [(raw, "as it is"), (taken, "at least")] {
+            if let Some(share) = share {
+                figures.add_from(format!("{what}, share of its limit {how}"), share, least);
             }
         }
     }
@@ -238,8 +241,8 @@ fn figures_of_log(result: &Value) -> Figures {
     add("rows that are missing", &result["missing"]["rows"], 0.0);
     add("places with missing rows", &result["missing"]["places"], 0.0);
     let part = &result["part"];
-    // Distances below the resolution are none.
-    let least = result["resolution_mm"].as_f64().unwrap_or(0.0);
+    // A distance that the resolution of three axes makes is none.
+    let least = 3.0_f64.sqrt() * result["resolution_mm"].as_f64().unwrap_or(0.0);
     add("distance from the path in mm", &part["nearest"]["mm"], least);
     add("distance of rapid moves from the path in mm", &part["nearest_rapid"]["mm"], least);
     add("distance in order in mm", &part["order_mm"], least);

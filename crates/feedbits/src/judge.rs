@@ -16,7 +16,7 @@ use secant_interp::crc32;
 use serde::Serialize;
 use setpoint_log::{ColumnMap, Followed, Judgement, LengthUnit, Log, LogOptions};
 
-use crate::baseline::BaselineArguments;
+use crate::baseline::{BaselineArguments, SCHEMA};
 use crate::ending::Ending;
 use crate::judge::baseline::LogBaseline;
 use crate::numbers::number;
@@ -85,7 +85,7 @@ struct Judged<'a> {
     command: &'static str,
     log: &'a str,
     machine: &'a StatedLimits,
-    /// A checksum of the part's text, by which a baseline knows it.
+    /// A checksum of the part's text and of how it is read, by which a baseline knows it.
     #[serde(skip_serializing_if = "Option::is_none")]
     part_crc32: Option<String>,
     /// The faults, in short: with any of them the status is 1.
@@ -111,7 +111,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     };
     let log = Log::begin(log, &machine, &options).with_context(|| name.clone())?;
     let text = arguments.part_text()?;
-    let part_crc32 = text.as_deref().map(checksum);
+    let part_crc32 = text.as_deref().map(|bytes| arguments.checksum(bytes));
     let machine_json = serde_json::to_value(&machine)?;
     let baseline = LogBaseline::read(&arguments.baseline, &machine_json, part_crc32.as_deref())?;
     let part = text.map(|bytes| arguments.part_from(&bytes, log.first_point_mm())).transpose()?;
@@ -120,7 +120,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     progress.finish();
     let faults = judgement.faults();
     let judged = Judged {
-        schema: 1,
+        schema: SCHEMA,
         command: "judge",
         log: &name,
         machine: &machine,
@@ -146,16 +146,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     }
 }
 
-/// A checksum of a part's text, whose lines end alike on every system.
-fn checksum(bytes: &[u8]) -> String {
-    let text: Vec<u8> = bytes.iter().copied().filter(|byte| *byte != b'\r').collect();
-    format!("{:08x}", crc32(&text))
-}
-
 impl Arguments {
     /// The text of the part, if one is named.
     fn part_text(&self) -> Result<Option<Vec<u8>>> {
         self.part.as_ref().map(|path| files::bytes("--part", path, files::MOST_OF_PART)).transpose()
+    }
+
+    /// A checksum of a part's text, whose lines end alike on every system, and of the options by which it is read.
+    fn checksum(&self, bytes: &[u8]) -> String {
+        let options = format!("{:?} {} {:?}", self.dialect.map(Dialect::name), self.lenient, self.part_units);
+        let text = bytes.iter().copied().filter(|byte| *byte != b'\r');
+        format!("{:08x}", crc32(&text.chain(options.into_bytes()).collect::<Vec<u8>>()))
     }
 
     /// The part of a text, which begins where the log does.

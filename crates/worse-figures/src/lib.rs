@@ -35,6 +35,8 @@ struct Figure {
     value: f64,
     /// The largest value that is good, or 0 if there is none.
     limit: f64,
+    /// What a value counts as that is less.
+    least: f64,
     /// The words of which the value is a place; none for a number.
     words: &'static [&'static str],
 }
@@ -42,19 +44,19 @@ struct Figure {
 impl Figures {
     /// Adds a number, with the largest that is good, or 0 if there is none.
     pub fn add(&mut self, name: String, value: f64, limit: f64) {
-        self.0.insert(name, Figure { value, limit, words: &[] });
+        self.0.insert(name, Figure { value, limit, least: f64::NEG_INFINITY, words: &[] });
     }
 
     /// Adds a number that may grow by the share of `least` where it is less than that.
     pub fn add_from(&mut self, name: String, value: f64, least: f64) {
-        self.add(name, value, least / NEGLIGIBLE);
+        self.0.insert(name, Figure { value, limit: 0.0, least, words: &[] });
     }
 
     /// Adds a word of these, which stand from the best to the worst; any other word is left out.
     #[allow(clippy::cast_precision_loss, reason = "a place among a few words")]
     pub fn add_word(&mut self, name: String, word: &str, words: &'static [&'static str]) {
         if let Some(place) = words.iter().position(|one| *one == word) {
-            self.0.insert(name, Figure { value: place as f64, limit: 0.0, words });
+            self.0.insert(name, Figure { value: place as f64, limit: 0.0, least: 0.0, words });
         }
     }
 
@@ -93,7 +95,13 @@ impl Figures {
 
 impl Figure {
     fn is_worse_than(self, before: Self, share: f64) -> bool {
-        self.value > before.value + share * before.value.max(NEGLIGIBLE * before.limit)
+        let (now, then) = (self.counted(), before.counted());
+        now > then + share * then.max(NEGLIGIBLE * before.limit)
+    }
+
+    /// The value that is compared: what is no number is worse than any.
+    fn counted(self) -> f64 {
+        if self.value.is_nan() { f64::INFINITY } else { self.value.max(self.least) }
     }
 
     /// The figure for a person.
@@ -131,8 +139,16 @@ mod tests {
             figures.add_from("x".to_string(), value, 0.1);
             figures
         };
-        assert!(above(0.0009).worse_than(&above(0.0), 0.01).is_empty());
-        assert_eq!(above(0.002).worse_than(&above(0.0), 0.01), ["x was 0, and is 0.002"]);
+        assert!(above(0.101).worse_than(&above(0.0), 0.01).is_empty());
+        assert_eq!(above(0.102).worse_than(&above(0.03), 0.01), ["x was 0.03, and is 0.102"]);
+        assert!(above(0.09).worse_than(&above(0.01), 0.01).is_empty());
+    }
+
+    #[test]
+    fn what_is_no_number_is_worse_than_any() {
+        assert_eq!(one(f64::NAN, 1.0).worse_than(&one(1e300, 1.0), 0.01).len(), 1);
+        assert!(one(f64::NAN, 1.0).worse_than(&one(f64::NAN, 1.0), 0.01).is_empty());
+        assert!(one(2.0, 1.0).worse_than(&one(f64::NAN, 1.0), 0.01).is_empty());
     }
 
     #[test]

@@ -24,11 +24,16 @@ const WORSE_BY: f64 = 0.01;
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [folder, baseline] = [0, 1].map(|place| arguments.get(place));
-    if let Some(folder) = folder {
-        // Nothing that is there is overwritten.
-        fs::create_dir(folder)
-            .map_err(|error| format!("{folder}: {error}: expected the name of a new folder"))?;
+    // Nothing that is there is overwritten, and what cannot be is said before the work.
+    if let Some(folder) = folder.filter(|folder| Path::new(folder).exists()) {
+        return Err(format!("{folder} is there: expected the name of a new folder").into());
     }
+    let earlier = match baseline {
+        Some(path) => {
+            Some(Baseline::read(&fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?)?)
+        }
+        None => None,
+    };
     let comparison = compare(&Biquad, &built_in())?;
     println!("{comparison}");
     let sizing = size(&Biquad)?;
@@ -47,8 +52,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             "{folder}: index.html, comparison.json, and vectors.csv with the bits of each step in {format}"
         );
     }
-    let Some(baseline) = baseline else { return Ok(ExitCode::SUCCESS) };
-    let since = Baseline::read(&fs::read_to_string(baseline)?)?.since(&comparison, WORSE_BY)?;
+    let Some((baseline, earlier)) = baseline.zip(earlier) else { return Ok(ExitCode::SUCCESS) };
+    let since = earlier.since(&comparison, WORSE_BY)?;
     print!("Since {baseline}: {since}");
     Ok(if since.is_worse() { WORSE.into() } else { ExitCode::SUCCESS })
 }
@@ -72,8 +77,9 @@ fn write(
     prices: &[StepPrice],
     format: FormatName,
 ) -> Result<(), Box<dyn Error>> {
-    let page = KernelPage { comparison, sizing: Some(sizing), prices, command: "cargo run" };
-    for (name, text) in page.report()?.files {
+    let files = KernelPage { comparison, sizing: Some(sizing), prices, command: "cargo run" }.report()?.files;
+    fs::create_dir(folder)?;
+    for (name, text) in files {
         fs::write(folder.join(name), text)?;
     }
     fs::write(folder.join("comparison.json"), comparison.json())?;

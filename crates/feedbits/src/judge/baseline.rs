@@ -39,7 +39,9 @@ impl LogBaseline {
             (old, new) if old == new => {}
             (Some(_), None) => bail!("{name} is of a log that followed a part: expected --part with it"),
             (None, _) => bail!("{name} is of a log without a part: expected no --part"),
-            (Some(_), Some(_)) => bail!("{name} is of another part: expected the part of the baseline"),
+            (Some(_), Some(_)) => bail!(
+                "{name} is of another part, or of one that is read by other options: expected the part of the baseline"
+            ),
         }
         Ok(Some(Self { path, result, share: arguments.share() }))
     }
