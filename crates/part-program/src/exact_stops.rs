@@ -4,20 +4,26 @@ use crate::curve::Curve;
 use crate::joint;
 use crate::moves::{Move, MoveKind};
 use crate::part::Part;
+use crate::path_tolerance::{PathTolerance, ToleranceFrom};
 
 /// How the tool passes the ends of moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PathMode {
-    /// G64: in the way that the machine chooses.
-    #[default]
-    Continuous,
+    /// G64: in the way that the machine chooses, within a tolerance if the program states one.
+    Continuous(Option<PathTolerance>),
     /// LinuxCNC's G61: through the point, at rest if the direction breaks there.
     ExactPath,
     /// G61 of other controls, LinuxCNC's G61.1, Siemens' G60: at rest.
     ExactStop,
 }
 
-/// Adds moves to a part, and decides for each whether it ends in an exact stop.
+impl Default for PathMode {
+    fn default() -> Self {
+        Self::Continuous(None)
+    }
+}
+
+/// Adds moves to a part, with the tolerance that holds for them, and decides for each whether it ends in an exact stop.
 ///
 /// In [`PathMode::ExactStop`] every move at feed does. In [`PathMode::ExactPath`] a move does unless the next move goes
 /// on in its direction, which is known only once the next move is added.
@@ -36,7 +42,11 @@ impl ExactStops {
         {
             last.exact_stop = joint::breaks(before, &curve);
         }
-        let exact_stop = one.kind == MoveKind::Feed && mode != PathMode::Continuous;
+        let tolerance = if let PathMode::Continuous(tolerance) = mode { tolerance } else { None };
+        if part.tolerances.last().and_then(|last| last.tolerance) != tolerance {
+            part.tolerances.push(ToleranceFrom { first_move: part.moves.len(), tolerance });
+        }
+        let exact_stop = one.kind == MoveKind::Feed && !matches!(mode, PathMode::Continuous(_));
         self.passes_smooth_joints = mode == PathMode::ExactPath;
         part.moves.push(Move { exact_stop, ..one });
         part.curves.push(curve);

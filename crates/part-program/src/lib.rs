@@ -59,6 +59,7 @@ mod machine;
 mod moves;
 mod options;
 mod part;
+mod path_tolerance;
 mod ratio_words;
 mod remark;
 mod rest;
@@ -96,6 +97,7 @@ pub use machine::{
 pub use moves::{Move, MoveKind, Shape};
 pub use options::{Dialect, ReadOptions, Unit};
 pub use part::{Filament, Part};
+pub use path_tolerance::{PathTolerance, ToleranceFrom};
 pub use ratio_words::{NoLargestRatio, RatioLost, RatioWords};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
 pub use rest::Rest;

@@ -7,6 +7,7 @@ use crate::curve::Curve;
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 use crate::moves::{Move, MoveKind};
+use crate::path_tolerance::ToleranceFrom;
 use crate::side_axes::SideMove;
 use crate::unit::INCH;
 
@@ -21,6 +22,8 @@ pub struct Part {
     pub moves: Vec<Move>,
     /// How the side axes move along the curves, in the order of the curves. Empty unless one moves while the tool cuts.
     pub side_moves: Vec<SideMove>,
+    /// Where the program changes how far from its path the control may go, in the order of the moves; none is stated before the first.
+    pub tolerances: Vec<ToleranceFrom>,
     /// Moves from an unknown place, in the order of the program. They are not curves, but M3 may stand before or after
     /// them.
     pub approaches: Vec<Approach>,

@@ -9,7 +9,8 @@
 //! | `ARC_FEED` with `SELECT_PLANE` | arcs, full circles and helices, also of several turns: one curve a turn |
 //! | `USE_LENGTH_UNITS`, `SET_G5X_OFFSET`, `SET_G92_OFFSET`, `SET_XY_ROTATION`, `USE_TOOL_LENGTH_OFFSET` | where coordinates are |
 //! | `SET_FEED_RATE`, `SET_FEED_MODE`, `START_SPEED_FEED_SYNC` | feed |
-//! | `SET_MOTION_CONTROL_MODE`, `DWELL` | exact stops: G61, G61.1, G64, G4 |
+//! | `SET_MOTION_CONTROL_MODE`, `DWELL` | exact stops: G61, G61.1, G64, G4; P of G64 |
+//! | `SET_NAIVECAM_TOLERANCE` | Q of G64 |
 //! | spindle, tool, coolant, stops, outputs | the M, S and T words that made them; listed |
 //! | `RIGID_TAP` | to the depth and back, without a feedrate |
 //! | `STRAIGHT_PROBE`, `NURBS_FEED` | not read: where they lead is not printed |
@@ -54,11 +55,12 @@ use crate::diagnostic::{Diagnostic, Report};
 use crate::exact_stops::{ExactStops, PathMode};
 use crate::options::ReadOptions;
 use crate::part::Part;
+use crate::path_tolerance::PathTolerance;
 use crate::source::Span;
 use crate::unit::INCH;
 
 /// Functions that do not affect the path and that no M, S or T word makes.
-const WITHOUT_EFFECT: [&str; 21] = [
+const WITHOUT_EFFECT: [&str; 20] = [
     "CHANGE_TOOL_NUMBER",
     "COMMENT",
     "FINISH",
@@ -70,7 +72,6 @@ const WITHOUT_EFFECT: [&str; 21] = [
     "RELOAD_TOOLDATA",
     "SET_CUTTER_RADIUS_COMPENSATION",
     "SET_FEED_REFERENCE",
-    "SET_NAIVECAM_TOLERANCE",
     "SET_SPINDLE_MODE",
     "SET_TRAVERSE_RATE",
     "START_CHANGE",
@@ -179,6 +180,8 @@ struct Reader<'r, 't, 'p> {
     is_synchronous: bool,
     feedrate_mm_per_s: Option<f64>,
     path_mode: PathMode,
+    /// P and Q of G64, in mm, as far as they are printed.
+    tolerance_mm: [Option<f64>; 2],
     stops: ExactStops,
     said: Vec<Once>,
     /// `PROGRAM_END`, or `FINISH` of a program between two `%`.
@@ -201,7 +204,8 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             feed_mode: FeedMode::PerMinute,
             is_synchronous: false,
             feedrate_mm_per_s: None,
-            path_mode: PathMode::Continuous,
+            path_mode: PathMode::default(),
+            tolerance_mm: [None; 2],
             stops: ExactStops::default(),
             said: Vec::new(),
             has_end: false,
@@ -248,6 +252,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             "START_SPEED_FEED_SYNC" | "START_SPEED_FEED_SYNCH" => self.is_synchronous = true,
             "STOP_SPEED_FEED_SYNC" | "STOP_SPEED_FEED_SYNCH" => self.is_synchronous = false,
             "SET_MOTION_CONTROL_MODE" => self.motion_control_mode(call),
+            "SET_NAIVECAM_TOLERANCE" => self.merging_tolerance(call),
             "DWELL" => {
                 let said = "dwells: the tool rests, and for how long is no part of the path";
                 self.say_once(Once::Dwell, call.span, said).map(Diagnostic::note);
@@ -361,12 +366,36 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
     }
 
     fn motion_control_mode(&mut self, call: &Call<'_>) {
-        self.path_mode = match call.arguments.and_then(|arguments| arguments.split(',').next()) {
-            Some("CANON_CONTINUOUS") => PathMode::Continuous,
-            Some("CANON_EXACT_PATH") => PathMode::ExactPath,
-            Some("CANON_EXACT_STOP") => PathMode::ExactStop,
+        let mut arguments = call.arguments.unwrap_or_default().split(',').map(str::trim);
+        self.path_mode = match (arguments.next(), arguments.next().map(str::parse)) {
+            (Some("CANON_CONTINUOUS"), Some(Ok(p))) if f64::is_finite(p) => {
+                self.tolerance_mm[0] = Some(p * self.unit);
+                self.continuous()
+            }
+            (Some("CANON_CONTINUOUS"), None) => PathMode::Continuous(None),
+            (Some("CANON_EXACT_PATH"), _) => PathMode::ExactPath,
+            (Some("CANON_EXACT_STOP"), _) => PathMode::ExactStop,
+            (Some("CANON_CONTINUOUS"), _) => {
+                return self.malformed(call, "a tolerance behind CANON_CONTINUOUS");
+            }
             _ => return self.malformed(call, "CANON_CONTINUOUS, CANON_EXACT_PATH or CANON_EXACT_STOP"),
         };
+    }
+
+    /// Q of G64, behind its P.
+    fn merging_tolerance(&mut self, call: &Call<'_>) {
+        let Some(([q], _)) = call.numbers().as_ref().and_then(|numbers| numbers.split::<1>()) else {
+            return self.malformed(call, "a tolerance");
+        };
+        self.tolerance_mm[1] = Some(q * self.unit);
+        if matches!(self.path_mode, PathMode::Continuous(Some(_))) {
+            self.path_mode = self.continuous();
+        }
+    }
+
+    fn continuous(&self) -> PathMode {
+        let [p_mm, q_mm] = self.tolerance_mm;
+        PathMode::Continuous(PathTolerance::of(p_mm, q_mm))
     }
 
     /// Reports what is missing at the end of a text, and sets the highest feedrate.

@@ -10,7 +10,9 @@ use crate::gcode::reader::Reader;
 use crate::gcode::spline::Spline;
 use crate::gcode::word::{Key, Word};
 use crate::options::{Dialect, Unit};
+use crate::path_tolerance::PathTolerance;
 use crate::source::Span;
+use crate::unit::INCH;
 
 impl Reader<'_, '_, '_> {
     /// Takes the G words. Returns the motion that the block commands, if it does; `None` if the block cannot be read.
@@ -291,23 +293,18 @@ impl Reader<'_, '_, '_> {
             }
             600 => self.modal.path_mode = PathMode::ExactStop,
             640 => {
-                self.modal.path_mode = PathMode::Continuous;
-                let may_have = if self.may_be(&[Dialect::LinuxCnc]) { &b"PQ"[..] } else { &[] };
-                if may_have.iter().filter(|letter| block.take_letter(**letter).is_some()).count() > 0 {
-                    let said = "a tolerance of the path: it is taken as commanded";
-                    self.report.warning(word.span, said).note();
-                }
+                self.modal.path_mode = PathMode::Continuous(self.path_tolerance(block, word.span));
             }
             // Rounding at the ends of blocks.
             6410 | 6420 | 6430 | 6440 | 6450 => {
                 self.report.warning(word.span, "blocks are rounded: the path is taken as commanded").note();
-                self.modal.path_mode = PathMode::Continuous;
+                self.modal.path_mode = PathMode::Continuous(None);
             }
             620 | 630 => {
                 self.report
                     .warning(word.span, "a cutting mode that changes feeds: they are taken as commanded")
                     .note();
-                self.modal.path_mode = PathMode::Continuous;
+                self.modal.path_mode = PathMode::Continuous(None);
             }
             40 => {
                 let said = "a dwell: the tool rests here, and for how long is no part of the path";
@@ -386,6 +383,27 @@ impl Reader<'_, '_, '_> {
                 Err(())
             }
         }
+    }
+
+    /// The tolerance that a G64 states, of which only LinuxCNC's does.
+    fn path_tolerance(&mut self, block: &mut Block<'_>, span: Span) -> Option<PathTolerance> {
+        if !self.may_be(&[Dialect::LinuxCnc]) {
+            return None;
+        }
+        let [p, q] = [b'P', b'Q'].map(|letter| block.take_letter(letter));
+        if p.or(q).is_some() {
+            self.report.warning(span, "a tolerance of the path: it is taken as commanded").note();
+        }
+        // G20 and G21 are obeyed before G64, wherever they are in the block.
+        let of_block = block.words().iter().filter(|word| word.key == Key::Letter(b'G'));
+        let mut inches = of_block.filter_map(|word| match code(word.value) {
+            Some(200) => Some(true),
+            Some(210) => Some(false),
+            _ => None,
+        });
+        let unit_mm = if inches.next_back().unwrap_or(self.modal.inches) { INCH } else { 1.0 };
+        let [p_mm, q_mm] = [p, q].map(|word| word.map(|word| unit_mm * word.value));
+        PathTolerance::of(p_mm, q_mm)
     }
 
     /// Checks that a curve is of the program's dialect.

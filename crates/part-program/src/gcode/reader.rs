@@ -144,7 +144,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             flags: Vec::new(),
             block_stops: false,
             is_unsure_of_stops: false,
-            end: PathMode::Continuous,
+            end: PathMode::default(),
             stops: ExactStops::default(),
             spline: None,
             smooth: None,

@@ -1,7 +1,8 @@
 //! The output of LinuxCNC's interpreter for a program is read as the moves of the control.
 
 use part_program::{
-    Dialect, MoveKind, Part, ReadOptions, Rest, Shape, bounding_box_mm, inspect, read_part, read_part_with,
+    Dialect, MoveKind, Part, ReadOptions, Rest, Shape, ToleranceFrom, bounding_box_mm, inspect, read_part,
+    read_part_with,
 };
 
 /// The lines of these calls, as `rs274 -g` writes them.
@@ -101,6 +102,25 @@ fn units_are_those_in_force() {
     assert_eq!(ends(&part)[1][0], 30.0);
     let feeds: Vec<_> = part.moves.iter().map(|one| one.feedrate_mm_per_s.unwrap()).collect();
     assert_eq!(feeds, [254.0 / 60.0, 254.0 / 60.0, 1.0]);
+}
+
+/// As printed of G64 P0.05, G64 P0.002 Q0.001 in inches, a cycle, which is cut in G61, and G64.
+#[test]
+fn the_tolerance_of_g64_is_printed_by_two_functions() {
+    let part = part(
+        "SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.050000)\nSET_NAIVECAM_TOLERANCE(0.0500)\nSTRAIGHT_TRAVERSE(0, 0, 0, 0, 0, 0)
+         STRAIGHT_FEED(1, 0, 0, 0, 0, 0)\nUSE_LENGTH_UNITS(CANON_UNITS_INCHES)
+         SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.002000)\nSET_NAIVECAM_TOLERANCE(0.0010)\nSTRAIGHT_FEED(1, 1, 0, 0, 0, 0)
+         SET_MOTION_CONTROL_MODE(CANON_EXACT_PATH)\nSTRAIGHT_FEED(1, 1, 1, 0, 0, 0)
+         SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.002000)\nSTRAIGHT_FEED(1, 1, 2, 0, 0, 0)
+         SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.000000)\nSET_NAIVECAM_TOLERANCE(0.0000)\nSTRAIGHT_FEED(1, 2, 2, 0, 0, 0)",
+    );
+    let of = |from: &ToleranceFrom| {
+        (from.first_move, from.tolerance.map(|tolerance| [tolerance.rounding_mm, tolerance.merging_mm]))
+    };
+    let second = Some([0.002 * 25.4, 0.001 * 25.4]);
+    let found: Vec<_> = part.tolerances.iter().map(of).collect();
+    assert_eq!(found, [(0, Some([0.05, 0.05])), (1, second), (2, None), (3, second), (4, None)]);
 }
 
 /// As printed of `G10 L2 P1 X10 Y20`, `G54`, `G0 X1 Y2 Z3`, `G92 X0`, `G1 X5`, `G92.1`, `G10 L2 P1 R90`, `G1 X1 Y0`.
@@ -234,7 +254,7 @@ fn an_early_end_and_other_lines_are_said() {
 }
 
 /// Calls, and what is said of the second line.
-const MALFORMED: [(&str, &str); 21] = [
+const MALFORMED: [(&str, &str); 23] = [
     ("STRAIGHT_FEED(1, 2)", "`STRAIGHT_FEED` is not as rs274 prints it"),
     ("STRAIGHT_FEED(1, 2, three)", "is not as rs274 prints it"),
     ("STRAIGHT_FEED(1, 2, nan)", "is not as rs274 prints it"),
@@ -252,6 +272,8 @@ const MALFORMED: [(&str, &str); 21] = [
     ("SET_FEED_RATE(-1)", "is not as rs274 prints it"),
     ("SET_FEED_MODE(0, 7)", "is not as rs274 prints it"),
     ("SET_MOTION_CONTROL_MODE(UNKNOWN)", "is not as rs274 prints it"),
+    ("SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, wide)", "is not as rs274 prints it"),
+    ("SET_NAIVECAM_TOLERANCE(wide)", "is not as rs274 prints it"),
     ("SET_SPINDLE_SPEED()", "is not as rs274 prints it"),
     ("STRAIGHT_PROBE(1, 2, 3, 0, 0, 0)", "a probing move"),
     ("TELEPORT(1, 2, 3)", "the canonical function `TELEPORT` is not known"),

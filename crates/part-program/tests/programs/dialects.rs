@@ -1,8 +1,8 @@
 //! One curve in three dialects and two files is one curve.
 
 use part_program::{
-    Curve, Dialect, Move, MoveKind, Part, ReadOptions, Shape, read_part, read_part_with, write_curves,
-    write_g1, write_g5_2, write_g06_2,
+    Curve, Dialect, Move, MoveKind, Part, ReadOptions, Shape, ToleranceFrom, read_part, read_part_with,
+    write_curves, write_g1, write_g5_2, write_g06_2,
 };
 
 fn part(text: &str) -> Part {
@@ -446,6 +446,61 @@ fn path_modes_of_linuxcnc_and_siemens_end_exact_stops() {
     assert!(errors.to_string().contains("p.nc:3:5") && errors.to_string().contains("`P0.01`"), "{errors}");
     let siemens = "G60 G0 X0 Y0\nG1 X5 F600\nG641 X8\nX9\n";
     assert_eq!(stops(siemens, Some(Dialect::Siemens)), [true, false, false]);
+}
+
+/// P and Q of G64 hold for the moves behind it, in the unit of its block, until another word for the path; a program of another control
+/// states none.
+#[test]
+fn the_tolerance_of_g64_holds_for_the_moves_behind_it() {
+    let of = |text: &str, dialect| {
+        let read = read_part_with("p.nc", text, ReadOptions { dialect, ..ReadOptions::default() }).unwrap();
+        let one = |from: &ToleranceFrom| {
+            (from.first_move, from.tolerance.map(|tolerance| [tolerance.rounding_mm, tolerance.merging_mm]))
+        };
+        read.tolerances.iter().map(one).collect::<Vec<_>>()
+    };
+    let linuxcnc = Some(Dialect::LinuxCnc);
+    let path = |word: &str| format!("G0 X0 Y0 F600\nG1 X1\n{word}\nY1\nG0 Z1\n");
+    for (word, expected) in [
+        ("G64 P0.05", Some([0.05, 0.05])),
+        ("G64 P0.05 Q0.02", Some([0.05, 0.02])),
+        ("G64 P0.05 Q0", Some([0.05, 0.0])),
+        ("G64 P0.05 Q-1", Some([0.05, 0.05])),
+        ("G20 G64 P0.01\nG21", Some([0.254, 0.254])),
+        ("G64 P0.01 G20\nG21", Some([0.254, 0.254])),
+        ("G20\nG64 P0.01 G21", Some([0.01, 0.01])),
+        ("G64", None),
+        ("G64 P0", None),
+        ("G64 P-1", None),
+        ("G64 Q0.05", None),
+        ("G61", None),
+    ] {
+        let expected: Vec<_> = expected.map(|tolerance| (1, Some(tolerance))).into_iter().collect();
+        for dialect in [linuxcnc, None] {
+            assert_eq!(of(&path(word), dialect), expected, "{word}");
+        }
+    }
+    for end in ["G64", "G61", "G61.1", "G64 P0"] {
+        let text = format!("G64 P0.05\n{}G1 X3\n", path(end));
+        assert_eq!(of(&text, linuxcnc), [(0, Some([0.05; 2])), (1, None)], "{end}");
+    }
+    let twice = format!("G64 P0.05\n{}", path("G64 P0.05\nX3\nG64 P0.1"));
+    assert_eq!(of(&twice, linuxcnc), [(0, Some([0.05; 2])), (2, Some([0.1; 2]))]);
+    // A word that no move follows changes nothing.
+    assert_eq!(of("G0 X0 Y0 F600\nG1 X1\nG64 P0.05\n", linuxcnc), []);
+    for dialect in [Dialect::Fanuc, Dialect::Siemens] {
+        assert_eq!(of(&path("G64"), Some(dialect)), []);
+    }
+}
+
+/// Under compensation moves wait for those behind them.
+#[test]
+fn the_tolerance_of_g64_is_that_of_moves_that_wait() {
+    let text = "G0 X0 Y0\nG64 P0.05\nG41.1 D2 G1 X10 Y10 F600\nX20\nG64 P0.1\nX30\nY20\nG40\nX40\n";
+    let options = ReadOptions { dialect: Some(Dialect::LinuxCnc), ..ReadOptions::default() };
+    let read = read_part_with("p.nc", text, options).unwrap();
+    let lines: Vec<_> = read.tolerances.iter().map(|from| read.moves[from.first_move].line).collect();
+    assert_eq!(lines, [3, 6]);
 }
 
 /// Without a dialect given, only a spline tells that G61 meant something else.
