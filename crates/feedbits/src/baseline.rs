@@ -232,6 +232,11 @@ fn figures_of_log(result: &Value) -> Figures {
             }
         }
     }
+    for one in result["part"]["tolerances"].as_array().into_iter().flatten() {
+        let number = |key: &str| one[key].as_f64().unwrap_or(0.0);
+        let (p, q) = (number("rounding_mm"), number("merging_mm"));
+        figures.add(format!("distance as a share of G64 P{p} Q{q}"), number("share"), (p + q) / p);
+    }
     let mut add = |name: &str, value: &Value, least: f64| {
         if let Some(value) = value.as_f64() {
             figures.add_from(name.to_string(), value, least);

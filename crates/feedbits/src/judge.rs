@@ -57,7 +57,8 @@ pub(crate) struct Arguments {
     /// where a program begins is where the log does.
     #[arg(long, value_name = "FILE")]
     part: Option<PathBuf>,
-    /// Largest distance between the log and the path of moves at feed, both ways, in mm. Default: it is told, and not judged.
+    /// Largest distance between the log and the path of moves at feed, both ways, in mm. Default: what the part states, as LinuxCNC's G64 P
+    /// does; where it states none, the distance is told, and not judged.
     #[arg(long, value_name = "MM", requires = "part", value_parser = number(&LOG_TOLERANCE))]
     tolerance: Option<f64>,
     /// The control that the part is for: fanuc, linuxcnc or siemens; canon is what LinuxCNC's rs274 prints. Default: told by its text.

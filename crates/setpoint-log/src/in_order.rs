@@ -9,10 +9,13 @@
 //! than a bound are given up. Where the best is far off and the path comes near again further on, a way that skips what lies between begins
 //! too; what it skips counts by its distance from where the log left the path.
 
-use crate::part_path::{PartPath, distance, foot, squared_distance};
+use crate::part_path::{PartPath, distance, dot, foot, squared_distance};
 
-/// Sums above that of the best way by more than this are given up, in mm⁴: a vertex that is 5 mm off.
+/// Sums above that of the best way by more than this are given up, in mm⁴: a vertex that is 5 mm off. Where segments are so short that many ways
+/// are left, less.
 const GIVEN_UP: f64 = 625.0;
+/// So many ways are led on without giving up more of them; a half of it, and fewer are given up again.
+const ENOUGH_WAYS: usize = 48;
 /// From here on the best way is far off, in mm, and a way that skips some of the path is looked for. Next at twice the distance.
 const FAR_MM: f64 = 1.0;
 /// A way that skips comes this much nearer.
@@ -62,6 +65,8 @@ pub(crate) struct InOrder<'p> {
     best: Way,
     skips: Vec<Skip>,
     searches: u32,
+    /// Sums above that of the best way by more than this are given up now, in mm⁴.
+    given_up: f64,
     /// From which distance on the next skip is looked for, in mm.
     far_mm: f64,
     /// Where the log was near the path last, and the segment there.
@@ -85,6 +90,7 @@ impl<'p> InOrder<'p> {
             best,
             skips: Vec::new(),
             searches: 0,
+            given_up: GIVEN_UP,
             far_mm: FAR_MM,
             near: (*first, 0),
             vertex_off_2,
@@ -96,7 +102,7 @@ impl<'p> InOrder<'p> {
 
     /// Follows a step of the log. Where rows are missing in it, vertices within `free_mm` of the path may be passed unseen.
     pub(crate) fn step(&mut self, from: &[f64; 3], to: &[f64; 3], free_mm: f64) -> Way {
-        let mut bound = GIVEN_UP.max(16.0 * self.best.off_2.powi(2));
+        let mut bound = self.given_up.max(16.0 * self.best.off_2.powi(2));
         loop {
             self.advance(from, to, free_mm, bound);
             if !self.next.is_empty() {
@@ -105,6 +111,11 @@ impl<'p> InOrder<'p> {
             bound *= 256.0;
         }
         std::mem::swap(&mut self.ways, &mut self.next);
+        if self.ways.len() > ENOUGH_WAYS {
+            self.given_up *= 0.5;
+        } else if self.ways.len() < ENOUGH_WAYS / 2 {
+            self.given_up = GIVEN_UP.min(2.0 * self.given_up);
+        }
         self.settle();
         let off_mm = self.best.off_2.sqrt();
         if off_mm <= NEARER * FAR_MM * 0.1 {
@@ -120,7 +131,7 @@ impl<'p> InOrder<'p> {
 
     /// Finds the next ways.
     fn advance(&mut self, from: &[f64; 3], to: &[f64; 3], free_mm: f64, bound: f64) {
-        let step = [*from, *to];
+        let step = Line::new([*from, *to]);
         self.next.clear();
         let last = self.path.segments.len() - 1;
         // The best way that comes to the begin of the segment in this step.
@@ -146,10 +157,12 @@ impl<'p> InOrder<'p> {
             }
             let leaving = better(on_it, entering);
             entering = leaving.and_then(|way| {
-                let (_, off_2) = foot(&ends[1], &step, 0.0);
+                let off_2 = step.off_2(&ends[1]);
                 let seen = &mut self.vertex_off_2[segment + 1];
                 *seen = seen.min(as_f32(off_2));
-                free_left -= if on_it.is_some() { 0.0 } else { distance(&ends[0], &ends[1]) };
+                if free_left > 0.0 && on_it.is_none() {
+                    free_left -= distance(&ends[0], &ends[1]);
+                }
                 let is_unseen = free_left > 0.0 || self.leaves_rapids_out && !self.path.is_feed(segment);
                 let counted_2 = if is_unseen { 0.0 } else { off_2 };
                 let cost = way.cost + counted_2 * counted_2;
@@ -252,10 +265,19 @@ impl<'p> InOrder<'p> {
             |vertex: usize| self.path.is_feed(vertex) && (vertex == 0 || self.path.is_feed(vertex - 1));
         let passed = self.vertex_off_2.iter().enumerate().take(way.segment + 1);
         let seen = passed.filter(|(vertex, _)| !is_skipped(*vertex) && is_cut(*vertex));
-        let seen = seen.map(|(_, off_2)| f64::from(*off_2)).filter(|off_2| off_2.is_finite());
+        let mut cuts = vec![Cut::default(); self.path.tolerances.count()];
+        for (vertex, off_2) in seen.filter(|(_, off_2)| off_2.is_finite()) {
+            // The move before a corner says how far it may be cut.
+            let segment = vertex.saturating_sub(1);
+            let cut = &mut cuts[self.path.tolerance(segment)];
+            let off_mm = f64::from(*off_2).sqrt();
+            if off_mm > cut.off_mm {
+                *cut = Cut { off_mm, segment };
+            }
+        }
         let of_skips = skips.iter().map(|skip| skip.off_mm).fold(0.0, f64::max);
-        let from_path_mm = seen.fold(0.0, f64::max).sqrt().max(of_skips);
-        Followed { way, skips, from_path_mm }
+        let from_path_mm = cuts.iter().map(|cut| cut.off_mm).fold(of_skips, f64::max);
+        Followed { way, skips, from_path_mm, cuts }
     }
 }
 
@@ -265,6 +287,40 @@ pub(crate) struct Followed {
     pub(crate) skips: Vec<Skip>,
     /// The largest distance of the path from the log, in mm.
     pub(crate) from_path_mm: f64,
+    /// The same under each tolerance by its number, of what is not skipped.
+    pub(crate) cuts: Vec<Cut>,
+}
+
+/// The farthest place of the path from the log.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Cut {
+    pub(crate) off_mm: f64,
+    /// The segment that ends there.
+    pub(crate) segment: usize,
+}
+
+/// A step of the log, from which vertices of the path are off.
+struct Line {
+    from: [f64; 3],
+    way: [f64; 3],
+    /// 1 by the square of its length; 0 of one that goes nowhere.
+    per_length_2: f64,
+}
+
+impl Line {
+    fn new([from, to]: [[f64; 3]; 2]) -> Self {
+        let length_2 = squared_distance(&from, &to);
+        let per_length_2 = if length_2 > 0.0 { length_2.recip() } else { 0.0 };
+        Self { from, way: std::array::from_fn(|axis| to[axis] - from[axis]), per_length_2 }
+    }
+
+    /// The square of the distance of a point.
+    fn off_2(&self, point: &[f64; 3]) -> f64 {
+        let off: [f64; 3] = std::array::from_fn(|axis| point[axis] - self.from[axis]);
+        let share = (dot(&off, &self.way) * self.per_length_2).clamp(0.0, 1.0);
+        let off: [f64; 3] = std::array::from_fn(|axis| off[axis] - share * self.way[axis]);
+        dot(&off, &off)
+    }
 }
 
 /// A way that comes to a place of a segment.

@@ -10,6 +10,7 @@
 //! | `period` | which period does a row belong to: which are there twice, which are missing? | |
 //! | `machine_limits` | which limits has the machine, per period? | |
 //! | `part_path` | where is the path of a part, exactly and in straight segments? | |
+//! | `tolerances` | which tolerance of the part holds for each move? | |
 //! | `in_order`, `nearest` | where on the path is a setpoint, in the order of both, and wherever? | |
 //! | `cruise` | how even is the feed where it is constant? | [`Fluctuation`] |
 //! | `part_follower` | how far off is it, and how fast may it be there? | |
@@ -20,7 +21,9 @@
 //! | `trace` | what do pictures of it show? | [`TraceColumn`], [`QUANTITIES`] |
 //! | `findings` | what was found? | [`Judgement`], [`JudgedLimit`], [`LimitVerdict`], [`Faults`], [`Standstills`] |
 //! | `log_place` | where in a log? | [`LogPlace`] |
-//! | `part_findings` | how does the log follow a part? | [`PartFindings`], [`Off`], [`SkippedMoves`], [`LineFeed`] |
+//! | `part_findings` | how does the log follow a part? | [`PartFindings`], [`SkippedMoves`], [`LineFeed`] |
+//! | `off` | how far are log and path from each other? | [`Off`] |
+//! | `judged_tolerance` | how is a tolerance of the part kept? | [`JudgedTolerance`], [`ToleranceVerdict`] |
 //! | `log_error` | why can a log not be judged, and at which place? | [`LogError`] |
 //!
 //! The limits are judged by the one routine of [`limit_judge`].
@@ -46,6 +49,7 @@ mod decimal;
 mod findings;
 mod in_order;
 mod judge;
+mod judged_tolerance;
 mod log;
 mod log_error;
 mod log_period;
@@ -53,6 +57,7 @@ mod log_place;
 mod machine_limits;
 mod motan_log;
 mod nearest;
+mod off;
 mod options;
 mod part_findings;
 mod part_follower;
@@ -60,6 +65,7 @@ mod part_path;
 mod period;
 mod row;
 mod text;
+mod tolerances;
 mod trace;
 mod unit;
 mod verdict;
@@ -67,10 +73,12 @@ mod verdict;
 pub use columns::ColumnMap;
 pub use cruise::Fluctuation;
 pub use findings::{Faults, JudgedLimit, Judgement, LimitVerdict, Standstills};
+pub use judged_tolerance::{JudgedTolerance, ToleranceVerdict};
 pub use log::{Log, judge};
 pub use log_error::LogError;
 pub use log_place::LogPlace;
+pub use off::Off;
 pub use options::{Followed, LogOptions};
-pub use part_findings::{LineFeed, Off, PartFindings, SkippedMoves};
+pub use part_findings::{LineFeed, PartFindings, SkippedMoves};
 pub use trace::{QUANTITIES, TraceColumn};
 pub use unit::LengthUnit;

@@ -19,6 +19,7 @@ use crate::part_path::PartPath;
 use crate::period::Clock;
 use crate::row::{Row, Rows};
 use crate::text::begun;
+use crate::tolerances::Tolerances;
 
 /// Rows by which the time between two is told.
 const FIRST_ROWS: usize = 256;
@@ -89,7 +90,10 @@ impl<'a> Log<'a> {
     pub fn judge(self, followed: Option<Followed<'_>>) -> Result<Judgement, LogError> {
         let Some(Followed { part, tolerance_mm }) = followed else { return self.judge_with(None, None) };
         let invalid = |error| LogError::whole(format!("a curve of the part: {error}"), "valid curves");
-        let path = PartPath::new(part, self.machine.feedrate_mm_per_s).map_err(invalid)?;
+        let mut path = PartPath::new(part, self.machine.feedrate_mm_per_s).map_err(invalid)?;
+        if tolerance_mm.is_some() {
+            path.tolerances = Tolerances::new(&[]);
+        }
         if path.segments.is_empty() {
             return Err(LogError::whole("the part has no moves", "a part with a path"));
         }

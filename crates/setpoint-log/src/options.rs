@@ -27,6 +27,6 @@ pub struct LogOptions {
 pub struct Followed<'a> {
     /// The part.
     pub part: &'a Part,
-    /// The largest distance between the log and its path that is allowed, in mm, if one is.
+    /// The largest distance between the log and its path that is allowed, in mm, if one is. It stands for all that the part states.
     pub tolerance_mm: Option<f64>,
 }

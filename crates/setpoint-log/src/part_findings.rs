@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use crate::cruise::Fluctuation;
+use crate::judged_tolerance::JudgedTolerance;
 use crate::log_place::LogPlace;
+use crate::off::Off;
 
 /// How a log follows a part.
 #[derive(Clone, Debug, Serialize)]
@@ -24,6 +26,9 @@ pub struct PartFindings {
     /// The largest distance that was asked for, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_mm: Option<f64>,
+    /// How the tolerances that the part states are kept, the one that is used most first; none where one was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tolerances: Vec<JudgedTolerance>,
     /// The largest distance of a curve from the straight line between two places on it that the log has behind each
     /// other: what straight steps alone leave off the path, wherever the setpoints are. 0 where the part has no curves.
     pub chord_error: Off,
@@ -51,18 +56,6 @@ pub struct PartFindings {
     pub unit_ratio: Option<f64>,
     #[serde(skip)]
     pub(crate) hidden_mm: f64,
-}
-
-/// A distance, and where it is.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Off {
-    /// In mm.
-    pub mm: f64,
-    /// Where.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub at: Option<LogPlace>,
-    /// The line of the part.
-    pub line: usize,
 }
 
 /// Moves that a log skips.
@@ -146,6 +139,7 @@ impl PartFindings {
                 self.ends_in_line, self.left_mm
             ));
         }
+        faults.extend(self.tolerances.iter().filter_map(JudgedTolerance::fault));
         if let Some(tolerance) = self.tolerance_mm {
             let most = tolerance * (1.0 + 1e-9) + self.hidden_mm;
             if self.nearest.mm > most {

@@ -4,10 +4,12 @@ use limit_judge::Corner;
 use part_program::StatedLimits;
 
 use crate::cruise::{Cruise, CruiseStep};
-use crate::in_order::{InOrder, Way};
+use crate::in_order::{Cut, InOrder, Way};
+use crate::judged_tolerance::{Hidden, JudgedTolerance};
 use crate::log_place::LogPlace;
 use crate::nearest::Nearest;
-use crate::part_findings::{LineFeed, Off, PartFindings, SkippedMoves};
+use crate::off::Off;
+use crate::part_findings::{LineFeed, PartFindings, SkippedMoves};
 use crate::part_path::{FLAT_MM, PartPath, distance};
 
 /// The least share of its acceleration at which a machine slows down to the feed of a slower move.
@@ -18,7 +20,7 @@ const FAR: f64 = 0.01;
 const OVER_FEED: f64 = 1e-6;
 /// So near to a corner a step begins at it, in mm, beside what is hidden: as far as segments are from their curves.
 const AT_CORNER_MM: f64 = FLAT_MM;
-/// Lines that are named.
+/// Lines and tolerances that are named.
 const MOST_LINES: usize = 20;
 
 /// What the path says of a step of the log.
@@ -48,7 +50,11 @@ pub(crate) struct PartFollower<'p> {
     step_mm: f64,
     /// The length of the log so far.
     log_mm: f64,
-    nearest_off: [Off; 2],
+    /// The largest distances from the path, of rapid moves, and of moves at feed under each tolerance by its number.
+    rapid_off: Off,
+    feed_off: Vec<Off>,
+    /// How far a motion that keeps the accelerations of the axes may be from the straight line between two setpoints: A T²/8, in mm.
+    between_mm: f64,
     chord_error: Off,
     cruise: Cruise,
     setpoints: u64,
@@ -66,7 +72,8 @@ impl<'p> PartFollower<'p> {
         (period_s, tolerance_mm): (f64, Option<f64>),
     ) -> Self {
         let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
-        let of_axes = axes.iter().filter_map(|axis| axis.acceleration_mm_per_s2).reduce(f64::min);
+        let accelerations = axes.iter().filter_map(|axis| axis.acceleration_mm_per_s2);
+        let of_axes = accelerations.clone().reduce(f64::min);
         let acceleration = machine.acceleration_mm_per_s2.or(of_axes).unwrap_or(0.0);
         let mut order = InOrder::new(path, first, leaves_rapids_out);
         let way = order.step(first, first, 0.0);
@@ -82,7 +89,9 @@ impl<'p> PartFollower<'p> {
             allowed_mm: 0.0,
             step_mm: 0.0,
             log_mm: 0.0,
-            nearest_off: [Off::default(); 2],
+            rapid_off: Off::default(),
+            feed_off: vec![Off::default(); path.tolerances.count()],
+            between_mm: accelerations.map(|most| most * most).sum::<f64>().sqrt() * period_s.powi(2) / 8.0,
             chord_error: Off::default(),
             cruise: Cruise::default(),
             setpoints: 0,
@@ -157,23 +166,26 @@ impl<'p> PartFollower<'p> {
 
     /// Measures how far a setpoint is from its place, and from the path.
     fn measure(&mut self, at: &LogPlace, way: &Way) {
-        let kind = usize::from(!self.path.is_feed(way.segment));
-        let line = self.path.moves[self.path.segments[way.segment].of_move].line;
+        let known = if self.path.is_feed(way.segment) {
+            &mut self.feed_off[self.path.tolerance(way.segment)]
+        } else {
+            &mut self.rapid_off
+        };
         let off_mm = way.off_2.sqrt();
         let far_mm = (FAR * self.path.extent_mm).max(10.0 * FLAT_MM);
         let is_worse = |known: &Off, mm: f64| mm > known.mm || known.at.is_none();
-        if off_mm <= far_mm && !is_worse(&self.nearest_off[kind], off_mm + FLAT_MM) {
+        if off_mm <= far_mm && !is_worse(&*known, off_mm + FLAT_MM) {
             return;
         }
         // The exact curve at the place decides whether it is worth to look at every other.
         let own_mm = self.path.exact_distance(&at.point_mm, (way.segment, way.share), off_mm);
-        if own_mm <= far_mm && !is_worse(&self.nearest_off[kind], own_mm) {
+        if own_mm <= far_mm && !is_worse(&*known, own_mm) {
             return;
         }
         let mm = self.nearest.distance(&at.point_mm, off_mm);
         self.far += u64::from(mm > far_mm);
-        if is_worse(&self.nearest_off[kind], mm) {
-            self.nearest_off[kind] = Off { mm, at: Some(*at), line };
+        if is_worse(&*known, mm) {
+            *known = Off { mm, at: Some(*at), line: self.path.line(way.segment) };
         }
     }
 
@@ -193,19 +205,28 @@ impl<'p> PartFollower<'p> {
         let mut allowed_mm = (first.min(last)..=last).map(feed_mm).fold(0.0, f64::max);
         let place_mm = path.length_to(to.segment, to.share);
         let rounding_mm = self.tolerance_mm.unwrap_or(0.0).max(to.off_2.sqrt());
-        for index in last + 1..path.moves.len() {
+        let way_to_mm = |index: usize| {
+            index.checked_sub(1).map_or(0.0, |before| path.so_far_mm[path.moves[before].end] - place_mm)
+        };
+        // Moves of one feed are looked at together: by the way to the first, and then to the last of them.
+        let mut index = last;
+        while index < path.moves.len() {
             let feed_mm = feed_mm(index);
-            let way_mm = path.so_far_mm[path.moves[index - 1].end] - place_mm;
             let speeding_mm =
                 if self.acceleration_mm > 0.0 { feed_mm * feed_mm / self.acceleration_mm } else { 0.0 };
             // Before a rapid move too a control speeds up at the end of its rounding alone.
             let within_mm = 2.0 * self.step_mm
                 + 2.0 * rounding_mm
                 + if speeding_mm.is_finite() { speeding_mm } else { 0.0 };
-            if way_mm > within_mm {
+            if index > last && way_to_mm(index) > within_mm {
                 break;
             }
             allowed_mm = allowed_mm.max(feed_mm);
+            let until = path.moves[index].alike_until;
+            if until > index + 1 && way_to_mm(until - 1) > within_mm {
+                break;
+            }
+            index = until;
         }
         if self.acceleration_mm > 0.0 {
             allowed_mm.max(self.allowed_mm.min(self.step_mm) - SLOWING * self.acceleration_mm)
@@ -220,7 +241,7 @@ impl<'p> PartFollower<'p> {
             return;
         }
         let one = LineFeed {
-            line: self.path.moves[self.path.segments[way.segment].of_move].line,
+            line: self.path.line(way.segment),
             commanded_mm_per_s: allowed_mm / self.period_s,
             largest_mm_per_s: step_mm / self.period_s,
             at: *at,
@@ -239,7 +260,7 @@ impl<'p> PartFollower<'p> {
     pub(crate) fn finished(&self, hidden_mm: f64) -> PartFindings {
         let followed = self.order.finished(&self.before.0);
         let way = followed.way;
-        let line = |segment: usize| self.path.moves[self.path.segments[segment].of_move].line;
+        let line = |segment: usize| self.path.line(segment);
         let skipped = followed.skips.iter().map(|skip| SkippedMoves {
             lines: [line((skip.from + 1).min(skip.to)), line(skip.to.saturating_sub(1).max(skip.from))],
             length_mm: self.seen_length_mm(skip.from + 1..skip.to),
@@ -255,11 +276,12 @@ impl<'p> PartFollower<'p> {
         PartFindings {
             moves: self.path.moves.len(),
             length_mm: self.path.length_mm(),
-            nearest: self.nearest_off[0],
-            nearest_rapid: self.nearest_off[1],
+            nearest: worst_of(&self.feed_off),
+            nearest_rapid: self.rapid_off,
             order_mm,
             path_to_log_mm: followed.from_path_mm,
             tolerance_mm: self.tolerance_mm,
+            tolerances: self.tolerances(&followed.cuts, hidden_mm),
             chord_error: self.chord_error,
             fluctuation: self.cruise.worst,
             skipped,
@@ -275,6 +297,20 @@ impl<'p> PartFollower<'p> {
         }
     }
 
+    /// How the tolerances of the part are kept, of those under which the log moved, the one that is used most first.
+    fn tolerances(&self, cuts: &[Cut], hidden_mm: f64) -> Vec<JudgedTolerance> {
+        let hidden = Hidden { by_resolution_mm: hidden_mm, between_setpoints_mm: self.between_mm };
+        let stated = self.path.tolerances.stated.iter().zip(&self.feed_off[1..]).zip(&cuts[1..]);
+        let judged = stated.filter(|((_, off), _)| off.at.is_some()).map(|((tolerance, off_path), cut)| {
+            let off_log = Off { mm: cut.off_mm, at: None, line: self.path.line(cut.segment) };
+            JudgedTolerance::of(tolerance, [*off_path, off_log], hidden)
+        });
+        let mut judged: Vec<JudgedTolerance> = judged.collect();
+        judged.sort_by(|one, other| other.used().total_cmp(&one.used()));
+        judged.truncate(MOST_LINES);
+        judged
+    }
+
     /// The length of some segments of the path, in mm. Rapid moves do not count where the log leaves them out.
     fn seen_length_mm(&self, segments: std::ops::Range<usize>) -> f64 {
         let shown = segments.filter(|segment| !self.leaves_rapids_out || self.path.is_feed(*segment));
@@ -287,4 +323,10 @@ impl<'p> PartFollower<'p> {
         let ratio = distance(least, most) / self.path.extent_mm;
         [25.4, 1.0 / 25.4, 1000.0, 1e-3].into_iter().find(|unit| (ratio / unit - 1.0).abs() < 0.02)
     }
+}
+
+/// The largest of some distances.
+fn worst_of(all: &[Off]) -> Off {
+    let known = all.iter().copied().filter(|off| off.at.is_some());
+    known.reduce(|one, other| if other.mm > one.mm { other } else { one }).unwrap_or_default()
 }

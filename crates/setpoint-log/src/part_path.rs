@@ -5,6 +5,8 @@ use nurbs_core::{
 };
 use part_program::{MoveKind, Part};
 
+use crate::tolerances::Tolerances;
+
 /// How far a segment may be from its curve, in mm. Figures of curves are taken from the curves themselves.
 pub(crate) const FLAT_MM: f64 = 1e-4;
 /// Halvings of a knot span, at most.
@@ -30,6 +32,8 @@ pub(crate) struct PathMove {
     pub(crate) length_mm: f64,
     /// The vertex at its end.
     pub(crate) end: usize,
+    /// The first move behind it that is rapid where it is not, or has another feed.
+    pub(crate) alike_until: usize,
     /// The curve, if it is no straight line.
     curve: Option<NurbsBuf<f64, 3>>,
 }
@@ -45,6 +49,8 @@ pub(crate) struct PartPath {
     pub(crate) so_far_mm: Vec<f64>,
     /// The diagonal of the box around it, in mm.
     pub(crate) extent_mm: f64,
+    /// How far the part lets a control go from its path.
+    pub(crate) tolerances: Tolerances,
     /// The corners: their vertices, and by how much each component of the unit tangent changes there.
     corners: Vec<(usize, [f64; 3])>,
     /// The tangent at the last vertex so far, of any length.
@@ -63,6 +69,7 @@ impl PartPath {
             moves: Vec::new(),
             so_far_mm: Vec::new(),
             extent_mm: 0.0,
+            tolerances: Tolerances::new(&part.tolerances),
             corners: Vec::new(),
             arriving: [0.0; 3],
         };
@@ -76,6 +83,7 @@ impl PartPath {
                 feed_mm_per_s: one.feedrate_mm_per_s.or(feed_mm_per_s),
                 length_mm: 0.0,
                 end: 0,
+                alike_until: 0,
                 curve: (!is_straight).then_some(exact),
             });
             path.add_vertices(points);
@@ -84,6 +92,7 @@ impl PartPath {
                 last.end = end;
             }
         }
+        path.find_alike();
         let ends = |axis: usize| {
             let all = || path.vertices.iter().map(|vertex| vertex[axis]);
             all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
@@ -99,6 +108,18 @@ impl PartPath {
             .collect();
         path.extent_mm = (0..3).map(|axis| ends(axis).powi(2)).sum::<f64>().sqrt();
         Ok(path)
+    }
+
+    /// Finds for each move how far those behind it have its feed.
+    fn find_alike(&mut self) {
+        let mut until = self.moves.len();
+        for index in (0..self.moves.len()).rev() {
+            let of = |one: &PathMove| (one.is_rapid, one.feed_mm_per_s);
+            if self.moves.get(index + 1).is_some_and(|next| of(next) != of(&self.moves[index])) {
+                until = index + 1;
+            }
+            self.moves[index].alike_until = until;
+        }
     }
 
     /// Adds the vertices of the last move.
@@ -209,6 +230,16 @@ impl PartPath {
         self.so_far_mm.last().copied().unwrap_or(0.0)
     }
 
+    /// The line of the program of a segment.
+    pub(crate) fn line(&self, segment: usize) -> usize {
+        self.moves[self.segments[segment].of_move].line
+    }
+
+    /// The number of the tolerance that holds on a segment.
+    pub(crate) fn tolerance(&self, segment: usize) -> usize {
+        self.tolerances.at(self.segments[segment].of_move)
+    }
+
     /// Whether a segment is cut at a feed.
     pub(crate) fn is_feed(&self, segment: usize) -> bool {
         self.segments.get(segment).is_none_or(|one| !one.is_gap && !self.moves[one.of_move].is_rapid)
@@ -272,6 +303,7 @@ pub(crate) fn squared_distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 }
 
 /// The share of the way from A to B at which a point is nearest, and the square of its distance there; not before `least`.
+#[inline]
 pub(crate) fn foot(point: &[f64; 3], [a, b]: &[[f64; 3]; 2], least: f64) -> (f64, f64) {
     let way = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
     let from = [point[0] - a[0], point[1] - a[1], point[2] - a[2]];

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use setpoint_log::{Faults, JudgedLimit, Judgement, LimitVerdict, LogPlace, PartFindings};
+use setpoint_log::{
+    Faults, JudgedLimit, JudgedTolerance, Judgement, LimitVerdict, LogPlace, PartFindings, ToleranceVerdict,
+};
 
 use crate::output::counted;
 use crate::screen::{self, duration, labelled, short, table};
@@ -25,6 +27,7 @@ pub(crate) fn text(name: &str, found: &Judgement, faults: &[String]) -> String {
     if let Some(part) = &found.part {
         text.push('\n');
         text += &of_part(part);
+        text += &tolerances(&part.tolerances);
     }
     if !found.not_judged.is_empty() {
         text.push('\n');
@@ -305,6 +308,33 @@ fn of_part(part: &PartFindings) -> String {
         text += &labelled("feed        ", &said);
     }
     text
+}
+
+/// How the tolerances that the part states are kept.
+fn tolerances(judged: &[JudgedTolerance]) -> String {
+    if judged.is_empty() {
+        return String::new();
+    }
+    let row = |one: &JudgedTolerance| {
+        let at = one.off_path.at.map_or(String::new(), |at| format!("{:.4} s", at.time_s));
+        let verdict = match one.verdict {
+            ToleranceVerdict::Kept => "kept",
+            ToleranceVerdict::KeptIfMerged => "kept within P + Q",
+            ToleranceVerdict::Broken => "broken",
+        };
+        vec![
+            format!("P {} Q {}", short(one.rounding_mm), short(one.merging_mm)),
+            small(one.off_path.mm),
+            one.off_path.line.to_string(),
+            at,
+            small(one.off_log.mm),
+            one.off_log.line.to_string(),
+            share(one.share),
+            verdict.into(),
+        ]
+    };
+    let header = ["G64, mm", "off path", "line", "at", "off log", "line", "of P", "verdict"];
+    "\n".to_string() + &table(&header, judged.iter().map(row).collect())
 }
 
 /// A distance in mm, of three digits at least.

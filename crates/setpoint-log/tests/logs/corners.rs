@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use setpoint_log::{JudgedLimit, LimitVerdict};
+use setpoint_log::{JudgedLimit, LimitVerdict, ToleranceVerdict};
 
 use crate::motion::{CIRCLE, CORNER, MACHINE, Motion, SOUND, circle, judged, without_jerk};
 
@@ -162,4 +162,84 @@ fn rapid_moves_that_a_log_leaves_out_are_no_fault() {
         text.lines().filter(|row| !row.contains(",50.0")).fold(String::new(), |all, row| all + row + "\n");
     let faults = judged(&cut, MACHINE, Some((part, None))).unwrap().faults();
     assert!(faults.len() == 1 && faults[0].starts_with("the log ends in line"), "{faults:?}");
+}
+
+/// Along X, an arc of radius `r` that touches both moves, and along Y: from rest to rest, at the pace of sound motions.
+fn blended(r: f64) -> Motion {
+    let quarter = r * std::f64::consts::FRAC_PI_2;
+    let before = 60.0 - r;
+    let point = |s: f64| {
+        let (sin, cos) = ((s - before).clamp(0.0, quarter) / r).sin_cos();
+        let behind = (s - before - quarter).max(0.0);
+        [s.min(before) + r * sin, r - r * cos + behind, 0.0]
+    };
+    let length = before + quarter + 30.0 - r;
+    Motion::default().stand([0.0; 3], 5).along((length, 0), SOUND, point).stand([60.0, 30.0, 0.0], 5)
+}
+
+/// A corner of a right angle that an arc of radius r rounds: the setpoints are off the path by up to r (1 - 1/√2), and the corner is off the
+/// log by r (√2 - 1). P bounds both; with Q, P + Q does.
+#[test]
+fn a_rounded_corner_is_judged_by_the_tolerance_that_the_part_states() {
+    let radius = 2.0;
+    let off_path = radius * (1.0 - 0.5_f64.sqrt());
+    let off_log = radius * (2.0_f64.sqrt() - 1.0);
+    let log = blended(radius).log(9);
+    let machine = without_jerk().replace("640", "6400");
+    let found = |words: &str, tolerance| {
+        let part = CORNER.replace("G21 G90", &format!("G21 G90 {words}"));
+        let found = judged(&log, &machine, Some((&part, tolerance))).unwrap();
+        (found.part.clone().unwrap(), found.faults())
+    };
+    for (p, q, verdict) in [
+        (off_log + 1e-3, 0.0, ToleranceVerdict::Kept),
+        (off_log - 3e-3, 0.0, ToleranceVerdict::Broken),
+        (0.9 * off_path, 0.0, ToleranceVerdict::Broken),
+        (0.5 * off_log, 0.5 * off_log + 1e-3, ToleranceVerdict::KeptIfMerged),
+        (0.5 * off_log, 0.5 * off_log - 3e-3, ToleranceVerdict::Broken),
+    ] {
+        let (part, faults) = found(&format!("G64 P{p:.9} Q{q:.9}"), None);
+        let [one] = part.tolerances[..] else { panic!("{part:?}") };
+        assert_eq!(one.verdict, verdict, "{p} {q}: {one:?}");
+        // The nearest setpoint is within half of a step of 0.05 mm from the middle of the arc, on either side of which it nears a line at 45°.
+        let short = off_path - one.off_path.mm;
+        assert!(
+            (-1e-6..0.025 * 0.5_f64.sqrt()).contains(&short) && one.off_path.at.is_some(),
+            "{one:?} {off_path}"
+        );
+        assert!((one.off_log.mm - off_log).abs() < 1e-3 && one.off_log.line == 2, "{one:?} {off_log}");
+        assert!((one.share - one.off_log.mm / p).abs() < 1e-6, "{one:?}");
+        let is_broken = verdict == ToleranceVerdict::Broken;
+        assert_eq!(faults.iter().any(|fault| fault.contains("where G64 allows")), is_broken, "{faults:?}");
+        assert_eq!(faults.len(), usize::from(is_broken), "{faults:?}");
+    }
+    // P alone: Q is as large.
+    assert_eq!(found("G64 P0.5", None).0.tolerances[0].verdict, ToleranceVerdict::KeptIfMerged);
+    // Without a P nothing is judged, and one that was asked for stands for all.
+    for words in ["G64", "G61", "G64 P0.01\nG64", "G64 P0"] {
+        let (part, faults) = found(words, None);
+        assert!(part.tolerances.is_empty() && faults.is_empty(), "{words}: {faults:?}");
+    }
+    let (part, faults) = found("G64 P0.01", Some(1.0));
+    assert!(part.tolerances.is_empty() && faults.is_empty(), "{faults:?}");
+    assert_eq!(found("G64 P100", Some(0.1)).1.len(), 1);
+}
+
+/// Each tolerance is judged by the moves for which it holds: the corner is wide of the first, and within the second.
+#[test]
+fn a_tolerance_is_judged_by_its_own_moves() {
+    let log = blended(0.1).log(9);
+    let machine = without_jerk().replace("640", "64000");
+    let verdicts = |part: &str| {
+        let found = judged(&log, &machine, Some((part, None))).unwrap().part.unwrap();
+        found.tolerances.iter().map(|one| (one.rounding_mm, one.verdict)).collect::<Vec<_>>()
+    };
+    let (kept, broken) = (ToleranceVerdict::Kept, ToleranceVerdict::Broken);
+    let part = |[first, second, third]: [&str; 3]| {
+        format!(
+            "G21 G90\nG64 P{first} Q0\nG1 X30 F3000\nG64 P{second} Q0\nX40\nX60\nY1\nG64 P{third} Q0\nY20\nY30\n"
+        )
+    };
+    assert_eq!(verdicts(&part(["0.01", "0.05", "0.01"])), [(0.05, kept), (0.01, kept)]);
+    assert_eq!(verdicts(&part(["0.05", "0.01", "0.05"])), [(0.01, broken), (0.05, kept)]);
 }
