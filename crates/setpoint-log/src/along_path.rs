@@ -9,7 +9,8 @@
 //!
 //! where c = 1.5 covers that b is a mean over two periods. The path may have a corner in a
 //! chord as well: if the direction turns by θ from the chord before it to the one behind it, two legs are as long as `L/cos(θ/2)` at most, and
-//! the chord may fall short by `L/cos(θ/2) - L` if that is more. Positions within ρ of the motion change a sum of chords by 2ρ at its ends, and in
+//! the chord may fall short by `L/cos(θ/2) - L` if that is more. Short moves may turn to and fro within a chord, which no setpoint shows: where a
+//! part is followed, the chord may fall short by as much as it does of the path between its ends. Positions within ρ of the motion change a sum of chords by 2ρ at its ends, and in
 //! between by ρ times what the direction turns and 2ρ²/L for each chord.
 //!
 //! With S the sum of w chords and H the sum of what each may hide, the excess over a window is
@@ -68,14 +69,24 @@ impl Bend {
     }
 }
 
+/// A step of the log.
+#[derive(Clone, Copy, Debug, Default)]
+struct Step {
+    way_mm: [f64; 3],
+    /// How it is bent at its begin.
+    begin: Bend,
+    /// By how much it is shorter than the path between its ends, in mm, as far as that is known.
+    detour_mm: f64,
+}
+
 /// Acceleration and jerk along the path so far.
 pub(crate) struct AlongPath {
     pub(crate) limits: Vec<OfPath>,
     sums: VecDeque<Sum>,
     /// Whether the tool stands before the first of the sums.
     stands_before: bool,
-    /// The last setpoint, the step to it, and how it is bent at its begin.
-    last: Option<(StepPlace, [f64; 3], Bend)>,
+    /// The last setpoint, and the step to it.
+    last: Option<(StepPlace, Step)>,
     /// Setpoints still to come whose windows hold a difference that exceeds a limit.
     open: usize,
 }
@@ -96,37 +107,38 @@ impl AlongPath {
         }
     }
 
-    /// Adds a setpoint that is known within `rho_mm`; `stands` says whether the tool stands before it, at the begin of a section.
-    pub(crate) fn add(&mut self, at: StepPlace, stands: bool, rho_mm: f64) {
+    /// Adds a setpoint that is known within `rho_mm`; `stands` says whether the tool stands before it, at the begin of a section. The step to it is
+    /// shorter than the path by `detour_mm`, as far as the path is known.
+    pub(crate) fn add(&mut self, at: StepPlace, stands: bool, rho_mm: f64, detour_mm: f64) {
         if self.limits.is_empty() {
             return;
         }
-        let Some((before, step_before, bend)) = self.last else {
+        let Some((before, step_before)) = self.last else {
             self.stands_before = stands;
             self.sums.push_back(Sum { at, chords_mm: 0.0, hidden_mm: 0.0 });
-            self.last = Some((at, [0.0; 3], Bend::default()));
+            self.last = Some((at, Step::default()));
             return;
         };
-        let step: [f64; 3] = std::array::from_fn(|axis| at.point_mm[axis] - before.point_mm[axis]);
+        let way_mm: [f64; 3] = std::array::from_fn(|axis| at.point_mm[axis] - before.point_mm[axis]);
         let is_first = self.sums.len() == 1 && self.sums[0].at == before;
         let next_bend = if is_first && !self.stands_before {
             Bend::default()
         } else {
-            Bend::between(&step_before, &step)
+            Bend::between(&step_before.way_mm, &way_mm)
         };
         if !is_first {
-            self.add_chord(before, length(&step_before), [bend, next_bend], rho_mm);
+            self.add_chord(before, step_before, next_bend, rho_mm);
         }
-        self.last = Some((at, step, next_bend));
+        self.last = Some((at, Step { way_mm, begin: next_bend, detour_mm }));
     }
 
     /// Ends a section; `stands` says whether the tool stands behind it.
     pub(crate) fn end_section(&mut self, stands: bool, rho_mm: f64) {
-        if let Some((at, step, bend)) = self.last.take()
+        if let Some((at, step)) = self.last.take()
             && self.sums.back().is_some_and(|sum| sum.at != at)
         {
-            let behind = Bend { mm: if stands { length(&step) } else { 0.0 }, turn: 0.0 };
-            self.add_chord(at, length(&step), [bend, behind], rho_mm);
+            let behind = Bend { mm: if stands { length(&step.way_mm) } else { 0.0 }, turn: 0.0 };
+            self.add_chord(at, step, behind, rho_mm);
             // Behind a rest the windows see what came before.
             let more = if stands && self.open > 0 {
                 SPAN
@@ -135,15 +147,16 @@ impl AlongPath {
             } else {
                 0
             };
-            (0..more).for_each(|_| self.add_chord(at, 0.0, [Bend::default(); 2], rho_mm));
+            (0..more).for_each(|_| self.add_chord(at, Step::default(), Bend::default(), rho_mm));
         }
         self.sums.clear();
         (self.last, self.open) = (None, 0);
     }
 
-    /// Adds a chord that is bent so at its begin and its end.
-    fn add_chord(&mut self, at: StepPlace, chord_mm: f64, [begin, end]: [Bend; 2], rho_mm: f64) {
+    /// Adds the chord of a step that is bent so at its end.
+    fn add_chord(&mut self, at: StepPlace, step: Step, end: Bend, rho_mm: f64) {
         let Some(last) = self.sums.back().copied() else { return };
+        let (begin, chord_mm) = (step.begin, length(&step.way_mm));
         let bend_mm = begin.mm.max(end.mm);
         let bend = ABOVE_MEAN * bend_mm;
         let whole = bend / 12.0_f64.sqrt();
@@ -151,7 +164,7 @@ impl AlongPath {
         let in_bend_mm = if straight > 0.0 { whole.min(bend * bend / (24.0 * straight)) } else { whole };
         let turn = begin.turn + end.turn;
         let at_corner_mm = chord_mm * ((turn.min(SHARPEST) / 2.0).cos().recip() - 1.0);
-        let short_mm = in_bend_mm.max(at_corner_mm);
+        let short_mm = in_bend_mm.max(at_corner_mm).max(step.detour_mm);
         let turned_mm = if chord_mm > 0.0 { (rho_mm * bend + 2.0 * rho_mm * rho_mm) / chord_mm } else { 0.0 };
         self.sums.push_back(Sum {
             at,
@@ -223,7 +236,7 @@ mod tests {
         for (index, arc) in (0..).zip(arcs) {
             let (sin, cos) = (arc / radius).sin_cos();
             let point_mm = [radius * sin, radius - radius * cos, 0.0];
-            along.add(StepPlace { index, row: index + 1, curve: 0, point_mm }, true, rho_mm);
+            along.add(StepPlace { index, row: index + 1, curve: 0, point_mm }, true, rho_mm, 0.0);
         }
         along.end_section(true, rho_mm);
         along.limits

@@ -273,10 +273,12 @@ impl Judge<'_> {
             corner: None,
             ends_at_rest,
         };
+        let mut detour_mm = 0.0;
         if let Some(follower) = &mut self.follower {
             let followed =
                 follower.follow(&LogPlace::of(&next.at, begin_s, period_s), unseen_mm, 2.0 * rho_mm);
             (next.feed_mm, next.passes_corner) = (followed.feed_mm, followed.corner.is_some());
+            detour_mm = followed.detour_mm;
             next.corner = followed.corner.filter(|_| self.junction == Junction::VelocityJump);
         }
         let standing = self.standing.take();
@@ -285,7 +287,7 @@ impl Judge<'_> {
             let (feed_mm, stands_before) = (next.feed_mm, standing.is_some());
             trace.add(TracePoint { period: next.at.index, time_s, point_mm, feed_mm, stands_before, r_mm });
         }
-        self.along.add(next.at, standing.is_some(), rho_mm);
+        self.along.add(next.at, standing.is_some(), rho_mm, detour_mm);
         if ends_at_rest {
             self.along.end_section(true, rho_mm);
         }

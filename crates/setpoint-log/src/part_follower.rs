@@ -30,6 +30,8 @@ pub(crate) struct OnPath {
     pub(crate) feed_mm: f64,
     /// The sharpest corner that the step passes or begins at.
     pub(crate) corner: Option<Corner>,
+    /// By how much the step is shorter than the path between its ends, in mm; 0 where an end is off the path.
+    pub(crate) detour_mm: f64,
 }
 
 /// The part's path being followed.
@@ -139,7 +141,10 @@ impl<'p> PartFollower<'p> {
             let has_seen = unseen_mm <= 0.0 && self.path.is_feed(way.segment);
             self.note_evenness(at, [way_before, way], has_seen.then_some(legs_mm), hidden_mm);
         }
-        OnPath { feed_mm: allowed_mm, corner }
+        let detour_mm = ends_mm[1] - ends_mm[0] - distance(&from, &at.point_mm);
+        // Twice the step: no detour of short moves is longer, and a part that was left out is.
+        let is_known = unseen_mm <= 0.0 && !is_late && detour_mm <= step_mm;
+        OnPath { feed_mm: allowed_mm, corner, detour_mm: if is_known { detour_mm.max(0.0) } else { 0.0 } }
     }
 
     /// Notes the chord error of a step between two places, and its length for the fluctuation at cruise. `step_mm` is

@@ -243,3 +243,52 @@ fn a_tolerance_is_judged_by_its_own_moves() {
     assert_eq!(verdicts(&part(["0.01", "0.05", "0.01"])), [(0.05, kept), (0.01, kept)]);
     assert_eq!(verdicts(&part(["0.05", "0.01", "0.05"])), [(0.01, broken), (0.05, kept)]);
 }
+
+/// Two short moves, up and down by 20°, that one step passes at an even feed: its chord is shorter than its way by 0.1 mm (1 - cos 20°), 6 times
+/// what the acceleration allows, and neither the setpoint before it nor the one behind turns. A run of ours seemed to break its jerk so.
+#[test]
+fn short_moves_to_and_fro_within_a_chord_are_no_jerk_along_the_path() {
+    let (sin, cos) = 20.0_f64.to_radians().sin_cos();
+    let (from, leg) = (9.9, 0.05);
+    let place = |s: f64| {
+        let [up, down] = [0.0, leg].map(|begin| (s - from - begin).clamp(0.0, leg));
+        [s - (up + down) * (1.0 - cos), (up - down) * sin]
+    };
+    let mut part = String::from("G21 G90\nG1 F15000\n");
+    for s in [from, from + leg, from + 2.0 * leg, 30.0] {
+        let [x, y] = place(s);
+        let _ = writeln!(part, "X{x:.12} Y{y:.12}");
+    }
+    let log = |late_mm: f64| {
+        let mut log = String::from("x,y\n");
+        for row in 0..100 {
+            let late_mm = if row > 40 { late_mm } else { 0.0 };
+            let [x, y] = place(0.25 * (f64::from(row) + 0.37) + late_mm);
+            let _ = writeln!(log, "{x:.12},{y:.12}");
+        }
+        log
+    };
+    let machine =
+        "[machine]\ninterpolation_period_ms = 1\nacceleration_mm_per_s2 = 1000\njerk_mm_per_s3 = 1000000\n";
+    let along = |log: &str, part| {
+        let found = judged(log, machine, part).unwrap();
+        found
+            .limits
+            .iter()
+            .filter(|limit| limit.what.ends_with("along the path"))
+            .cloned()
+            .collect::<Vec<_>>()
+    };
+    for limit in along(&log(0.0), Some((&part, None))) {
+        assert_eq!(limit.verdict, LimitVerdict::KeptWithin, "{limit:?}");
+        let short_mm = 2.0 * leg * (1.0 - cos);
+        let expected =
+            if limit.what.starts_with("acceleration") { short_mm / 1e-3 } else { 2.0 * short_mm / 1e-3 };
+        assert!((limit.raw / expected - 1.0).abs() < 1e-6, "{limit:?} {expected}");
+    }
+    // No setpoint shows what the part does.
+    assert!(along(&log(0.0), None).iter().all(|limit| limit.verdict == LimitVerdict::Broken));
+    // A step that is longer by four times that is found, on the tooth too.
+    let late = along(&log(0.024), Some((&part, None)));
+    assert!(late.iter().all(|limit| limit.verdict == LimitVerdict::Broken), "{late:?}");
+}
