@@ -56,7 +56,8 @@ impl<'a> Arbitrary<'a> for StageCase {
         let stages = (0..count).map(|_| DrawnStage::arbitrary(bytes)).collect::<arbitrary::Result<_>>()?;
         // Parts may be tiny, but not all of them: the schedule would take 2³² of them a period.
         let least = |k: u32| if k == 0 { PERIOD / 64 } else { 1 };
-        let parts = (0..8).map(|k| bytes.int_in_range(least(k)..=PERIOD)).collect::<arbitrary::Result<_>>()?;
+        let parts =
+            (0..8).map(|k| bytes.int_in_range(least(k)..=PERIOD)).collect::<arbitrary::Result<_>>()?;
         Ok(Self { stages, parts, fraction_bits: bytes.int_in_range(8..=62)? })
     }
 }

@@ -3,12 +3,14 @@
 use nurbs_core::{
     CurveError, Derivatives, Differentiate, Evaluate, NurbsBuf, distance_to_segment, tangent_breaks,
 };
-use part_program::{MoveKind, Part};
+use part_program::{MoveKind, Part, is_joined};
 
 use crate::tolerances::Tolerances;
 
 /// How far a segment may be from its curve, in mm. Figures of curves are taken from the curves themselves.
 pub(crate) const FLAT_MM: f64 = 1e-4;
+/// C' is 0 if it is no more than this share of what C'' adds to it over the span: the rest is rounding.
+const STANDSTILL: f64 = 1e-12;
 /// Halvings of a knot span, at most.
 const DEEPEST: u32 = 16;
 
@@ -129,8 +131,11 @@ impl PartPath {
         match self.vertices.last() {
             None => self.vertices.push(first),
             Some(before) if *before != first => {
-                let way = difference(&first, before);
-                self.pass_joint(&way, way);
+                // A path turns over no gap that is a rounding of its numbers.
+                if !is_joined(before, &first) {
+                    let way = difference(&first, before);
+                    self.pass_joint(&way, way);
+                }
                 self.vertices.push(first);
                 self.segments.push(Segment { of_move, u: [0.0; 2], is_gap: true });
             }
@@ -147,7 +152,8 @@ impl PartPath {
         let curve = exact.as_curve();
         for span in 0..curve.span_count() {
             let (begin, end) = curve.span_bounds(span);
-            let [leaving, arriving] = [begin, end].map(|u| curve.derivatives_in(span, u).first);
+            let [leaving, arriving] = [(begin, end - begin), (end, begin - end)]
+                .map(|(u, inwards)| tangent(&curve.derivatives_in(span, u), inwards));
             self.pass_joint(&leaving, arriving);
             let ends = [begin, end].map(|u| (u, curve.point(u)));
             self.flatten(&|u| curve.point(u), ends, of_move, 0);
@@ -311,4 +317,48 @@ pub(crate) fn foot(point: &[f64; 3], [a, b]: &[[f64; 3]; 2], least: f64) -> (f64
     let share = if length > 0.0 { (dot(&from, &way) / length).clamp(least, 1.0) } else { 1.0 };
     let off = [from[0] - share * way[0], from[1] - share * way[1], from[2] - share * way[2]];
     (share, dot(&off, &off))
+}
+
+/// The direction of a curve at an end of a span, from which the span goes `inwards` by as much in u. Where C' is 0, as at a doubled
+/// control point, that is C'' u for a small u.
+fn tangent(end: &Derivatives<f64, 3>, inwards: f64) -> [f64; 3] {
+    let is_standstill = norm(&end.first) <= STANDSTILL * norm(&end.second) * inwards.abs();
+    if is_standstill { end.second.map(|x| x * inwards) } else { end.first }
+}
+
+#[cfg(test)]
+mod tests {
+    use part_program::read_part;
+
+    use super::*;
+
+    /// The unit tangents' changes at the corners of a part.
+    fn turns(name: &str, text: &str) -> Vec<[f64; 3]> {
+        let part = read_part(name, text).expect("a part");
+        let path = PartPath::new(&part, Some(10.0)).expect("a path");
+        path.corners.iter().map(|(_, turn)| *turn).collect()
+    }
+
+    /// Two lines that go on in one direction, their ends a rounding apart, had two right angles.
+    #[test]
+    fn a_gap_that_is_a_rounding_is_no_corner() {
+        let lines = |apart: f64| {
+            format!(
+                "[[curve]]\ndegree = 1\ncontrol_points_mm = [[0, 0], [10, 0]]\nknots = [0, 0, 1, 1]\n\
+                 [[curve]]\ndegree = 1\ncontrol_points_mm = [[10, {apart}], [20, {apart}]]\nknots = [0, 0, 1, 1]\n"
+            )
+        };
+        assert!(turns("p.toml", &lines(5e-7)).is_empty());
+        assert_eq!(turns("p.toml", &lines(0.01)).len(), 2);
+    }
+
+    /// A cubic that ends in a doubled control point has no tangent there, and still a direction: the corner behind it was lost.
+    #[test]
+    fn a_curve_that_ends_at_a_standstill_turns_into_the_next_one() {
+        let found = turns("p.nc", "G21 G90 G17\nG0 X0 Y0\nG1 F3000\nG5 X60 Y0 I20 J0 P0 Q0\nG1 Y5\n");
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].iter().zip([1.0, 1.0, 0.0]).all(|(x, right)| (x - right).abs() < 1e-9), "{found:?}");
+        let begins = turns("p.nc", "G21 G90 G17\nG0 X0 Y0\nG1 X0 Y5 F3000\nG5 X60 Y5 I0 J0 P-20 Q0\n");
+        assert_eq!(begins.len(), 1, "{begins:?}");
+    }
 }
