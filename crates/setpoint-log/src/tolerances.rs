@@ -3,6 +3,8 @@
 //! The rounding of a corner lies on the moves on both sides of it, and the move before it says how far it may be off. So the first move
 //! behind a change is judged by the wider of both tolerances, that before the change and that behind it.
 
+use std::collections::BTreeMap;
+
 use part_program::{PathTolerance, ToleranceFrom};
 
 /// The tolerances of a part, each once. Their numbers begin with 1, and 0 is none.
@@ -16,9 +18,15 @@ pub(crate) struct Tolerances {
 impl Tolerances {
     pub(crate) fn new(changes: &[ToleranceFrom]) -> Self {
         let mut own = Self { stated: Vec::new(), from: Vec::new() };
-        let mut before = 0;
+        let (mut before, mut numbers) = (0, BTreeMap::new());
         for change in changes {
-            let behind = change.tolerance.map_or(0, |tolerance| own.number(tolerance));
+            let behind = change.tolerance.map_or(0, |tolerance| {
+                let PathTolerance { rounding_mm, merging_mm } = tolerance;
+                *numbers.entry([rounding_mm, merging_mm].map(f64::to_bits)).or_insert_with(|| {
+                    own.stated.push(tolerance);
+                    own.stated.len()
+                })
+            });
             if own.from.last().is_some_and(|(first, _)| *first == change.first_move) {
                 own.from.pop();
             }
@@ -31,15 +39,6 @@ impl Tolerances {
             before = behind;
         }
         own
-    }
-
-    /// The number of a tolerance, which is stated from here on.
-    fn number(&mut self, tolerance: PathTolerance) -> usize {
-        let known = self.stated.iter().position(|one| *one == tolerance);
-        known.unwrap_or_else(|| {
-            self.stated.push(tolerance);
-            self.stated.len() - 1
-        }) + 1
     }
 
     /// The number of the wider of two; none is the widest.
