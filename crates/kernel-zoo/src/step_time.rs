@@ -1,8 +1,8 @@
 //! The time of a motor's last step before it stands: a root of `p(t) = target` by false position.
 //!
-//! `p(t) = (1 + ε) x (2 - x)` in steps, with x = t/T, comes to rest at 1 + ε, and the step is due at `t = T (1 - √(ε/(1
-//! + ε)))`. The less is left beyond it, the flatter the curve is there. False position keeps the end of its bracket
-//! that is on the steep side, so its guesses creep.
+//! `p(t) = (1 + ε) x (2 - x)` in steps, with x = t/T, comes to rest at 1 + ε. The step is due at
+//! `t = T (1 - √(ε/(1 + ε)))`. The less is left beyond it, the flatter the curve is there. False position keeps the end of
+//! its bracket that is on the steep side, so its guesses creep.
 //!
 //! # Source
 //! Klipper3d/klipper#3142: the search for step times does not hang, but now and then takes 1.6 s in place of 2 ms. The
