@@ -34,6 +34,9 @@ pub struct SideAxes {
     moves: Vec<SideMove>,
     /// q' of all axes along the curve of each move, in degrees and mm a mm.
     slopes: Vec<[f64; 6]>,
+    /// For the curve of each move the ends of its spans in u, with its arc length up to there in mm; empty for a straight line and where
+    /// no axis moves.
+    lengths: Vec<Vec<(f64, f64)>>,
     /// The number of curves.
     curves: usize,
 }
@@ -66,15 +69,20 @@ impl SideAxes {
         if axes.is_empty() {
             return Self::default();
         }
-        let slopes = moves.iter().map(|one| {
-            let length = curves.get(one.curve).map_or(0.0, length);
+        let lengths: Vec<Vec<(f64, f64)>> = moves
+            .iter()
+            .map(|one| curves.get(one.curve).filter(|_| one.moves()).map_or_else(Vec::new, lengths))
+            .collect();
+        let slopes = moves.iter().zip(&lengths).map(|(one, lengths)| {
+            let of_line = || curves.get(one.curve).filter(|_| one.moves()).map_or(0.0, length);
+            let length = lengths.last().map_or_else(of_line, |(_, length)| *length);
             std::array::from_fn(|axis| {
                 let way = one.to[axis] - one.from[axis];
                 if way == 0.0 { 0.0 } else { way / length }
             })
         });
         let slopes = slopes.collect();
-        Self { axes, moves, slopes, curves: curves.len() }
+        Self { axes, moves, slopes, lengths, curves: curves.len() }
     }
 
     /// Whether no side axis moves while the tool cuts.
@@ -119,13 +127,14 @@ impl SideAxes {
         u: f64,
     ) -> [f64; 6] {
         let next = self.moves.partition_point(|one| one.curve <= curve);
-        let Some(one) = next.checked_sub(1).and_then(|last| self.moves.get(last)) else {
+        let last = next.checked_sub(1).and_then(|last| self.moves.get(last).zip(self.lengths.get(last)));
+        let Some((one, lengths)) = last else {
             return self.moves.first().map_or([0.0; 6], |first| first.from);
         };
         if one.curve < curve || !one.moves() {
             return one.to;
         }
-        let share = curves.get(curve).map_or(1.0, |curve| share_of_length(curve, u));
+        let share = curves.get(curve).map_or(1.0, |curve| share_of_length(curve, lengths, u));
         std::array::from_fn(|axis| one.from[axis] + share * (one.to[axis] - one.from[axis]))
     }
 
@@ -208,11 +217,27 @@ fn length<const D: usize>(curve: &NurbsBuf<f64, D>) -> f64 {
     arc_length(&curve.as_curve(), begin, end, LENGTH_TOLERANCE_MM).length
 }
 
-/// The share of a curve's length up to a parameter.
-fn share_of_length<const D: usize>(curve: &NurbsBuf<f64, D>, u: f64) -> f64 {
-    let (begin, end) = curve.as_curve().domain();
-    if curve.as_curve().degree() == 1 && curve.as_curve().span_count() == 1 {
-        return (u - begin) / (end - begin);
+/// The ends of a curve's spans in u, each with the arc length up to it in mm; none for a straight line.
+fn lengths<const D: usize>(curve: &NurbsBuf<f64, D>) -> Vec<(f64, f64)> {
+    let curve = curve.as_curve();
+    if curve.degree() == 1 && curve.span_count() == 1 {
+        return Vec::new();
     }
-    arc_length(&curve.as_curve(), begin, u, LENGTH_TOLERANCE_MM).length / length(curve)
+    let mut so_far = 0.0;
+    let span = |span: usize| {
+        let (begin, end) = curve.span_bounds(span);
+        so_far += arc_length(&curve, begin, end, LENGTH_TOLERANCE_MM).length;
+        (end, so_far)
+    };
+    (0..curve.span_count()).map(span).collect()
+}
+
+/// The share of a curve's length up to a parameter, from the lengths at the ends of its spans.
+fn share_of_length<const D: usize>(curve: &NurbsBuf<f64, D>, lengths: &[(f64, f64)], u: f64) -> f64 {
+    let curve = curve.as_curve();
+    let (begin, end) = curve.domain();
+    let Some((_, whole)) = lengths.last() else { return (u - begin) / (end - begin) };
+    let span = lengths.partition_point(|(end, _)| *end <= u);
+    let (from, before) = span.checked_sub(1).map_or((begin, 0.0), |last| lengths[last]);
+    (before + arc_length(&curve, from, u, LENGTH_TOLERANCE_MM).length) / whole
 }
