@@ -285,7 +285,12 @@ impl Judge<'_> {
         if let Some(trace) = &mut self.trace {
             let LogPlace { time_s, point_mm, .. } = LogPlace::of(&next.at, begin_s, period_s);
             let (feed_mm, stands_before) = (next.feed_mm, standing.is_some());
-            trace.add(TracePoint { period: next.at.index, time_s, point_mm, feed_mm, stands_before, r_mm });
+            let hides = || self.junction.hidden_at_corners_mm().unwrap_or(f64::INFINITY);
+            // Where nobody knows the corners, each turn would be one.
+            let is_known = self.corners != Corners::Unknown;
+            let at_corner_mm = if is_known && next.passes_corner { hides() } else { 0.0 };
+            let period = next.at.index;
+            trace.add(TracePoint { period, time_s, point_mm, feed_mm, stands_before, r_mm, at_corner_mm });
         }
         self.along.add(next.at, standing.is_some(), rho_mm, detour_mm);
         if ends_at_rest {

@@ -2,7 +2,8 @@
 //!
 //! The log is cut into columns of equal numbers of periods. Each keeps the least and the greatest of every quantity,
 //! where its first setpoint is, and the largest share of a limit that is taken in it beyond what the resolution hides:
-//! of a k-th difference Δ that is `(|Δ| - 2ᵏ r) / M`. Once there are too many columns, each two become one.
+//! of a k-th difference Δ that is `(|Δ| - 2ᵏ r) / M`, where r is greater for accelerations and jerks at a corner of which the
+//! machine may cut some. Once there are too many columns, each two become one.
 
 use limit_judge::{Of, StatedLimit};
 
@@ -40,6 +41,8 @@ pub(crate) struct Trace {
     pub(crate) columns: Vec<TraceColumn>,
     /// The last points of the section, the latest first.
     behind: [Option<[f64; 3]>; 3],
+    /// What corners hide of the steps to the last two of them, in mm.
+    hidden_behind: [f64; 2],
 }
 
 /// A setpoint of a trace.
@@ -53,16 +56,25 @@ pub(crate) struct TracePoint {
     /// Whether the tool stands before it, at the begin of a section.
     pub(crate) stands_before: bool,
     pub(crate) r_mm: f64,
+    /// What a corner hides that the step to it passes, in mm: 0 without one, and infinite where the velocity may jump there.
+    pub(crate) at_corner_mm: f64,
 }
 
 impl Trace {
     pub(crate) fn new(limits: &[StatedLimit], period_s: f64) -> Self {
-        Self { limits: limits.to_vec(), period_s, width: 1, columns: Vec::new(), behind: [None; 3] }
+        Self {
+            limits: limits.to_vec(),
+            period_s,
+            width: 1,
+            columns: Vec::new(),
+            behind: [None; 3],
+            hidden_behind: [0.0; 2],
+        }
     }
 
     /// Ends a section: no difference reaches over its end.
     pub(crate) fn end_section(&mut self) {
-        self.behind = [None; 3];
+        (self.behind, self.hidden_behind) = ([None; 3], [0.0; 2]);
     }
 
     /// Takes the next setpoint.
@@ -75,6 +87,7 @@ impl Trace {
         let quantities = self.quantities(&differences);
         let share = self.share(&differences, &next);
         self.behind = [Some(next.point_mm), self.behind[0], self.behind[1]];
+        self.hidden_behind = [next.at_corner_mm, self.hidden_behind[0]];
         self.make_room(next.period);
         let index = next.period / self.width;
         let column = match self.columns.last_mut() {
@@ -110,9 +123,12 @@ impl Trace {
 
     /// The largest share of a limit that differences take for certain.
     fn share(&self, differences: &[Option<[f64; 3]>; 3], next: &TracePoint) -> f64 {
+        let [last, before] = self.hidden_behind;
+        // A difference of velocities has two steps, one of accelerations three.
+        let corner_mm = [0.0, next.at_corner_mm.max(last), next.at_corner_mm.max(last).max(before)];
         let of = |limit: &StatedLimit| {
             let all = differences[limit.order]?;
-            let hidden_mm = next.r_mm * [2.0, 4.0, 8.0][limit.order];
+            let hidden_mm = (next.r_mm + corner_mm[limit.order]) * [2.0, 4.0, 8.0][limit.order];
             match (limit.of, limit.order) {
                 (Of::Axis(axis), _) => Some((all[axis].abs() - hidden_mm) / limit.most),
                 (Of::Vector, order) => {
@@ -178,9 +194,44 @@ mod tests {
         let mut trace = Trace::new(&[limit], 1.0);
         for period in 0..periods {
             let (time_s, point_mm) = (period as f64, [x(period), 0.0, 0.0]);
-            trace.add(TracePoint { period, time_s, point_mm, feed_mm: 1.0, stands_before: true, r_mm: 0.0 });
+            let (feed_mm, stands_before, r_mm) = (1.0, true, 0.0);
+            trace.add(TracePoint {
+                period,
+                time_s,
+                point_mm,
+                feed_mm,
+                stands_before,
+                r_mm,
+                at_corner_mm: 0.0,
+            });
         }
         trace
+    }
+
+    /// At a corner of which the machine may cut 0.01 mm a motion that turns is not seen to break what the judge calls kept.
+    #[test]
+    fn a_corner_hides_what_may_be_cut_of_it() {
+        let shares = |at_corner_mm: f64| {
+            let mut trace = Trace::new(&[StatedLimit { of: Of::Axis(1), order: 1, most: 0.01 }], 1.0);
+            for period in 0..20_u32 {
+                let (x, y) = (f64::from(period.min(10)), f64::from(period.max(10) - 10));
+                let (time_s, point_mm) = (f64::from(period), [0.02 * x, 0.02 * y, 0.0]);
+                let at_corner_mm = if period == 11 { at_corner_mm } else { 0.0 };
+                let (period, feed_mm, stands_before, r_mm) = (period.into(), 1.0, period == 0, 0.0);
+                trace.add(TracePoint {
+                    period,
+                    time_s,
+                    point_mm,
+                    feed_mm,
+                    stands_before,
+                    r_mm,
+                    at_corner_mm,
+                });
+            }
+            trace.columns.iter().map(|column| column.share).fold(0.0, f64::max)
+        };
+        assert!((shares(0.0) - 2.0).abs() < 1e-9, "{}", shares(0.0));
+        assert_eq!([shares(0.01), shares(f64::INFINITY)], [0.0; 2]);
     }
 
     /// However long a log is, its trace has no more columns, and no extreme is lost.

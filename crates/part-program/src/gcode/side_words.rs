@@ -36,8 +36,8 @@ impl Reader<'_, '_, '_> {
         }
         let cuts = !matches!(self.modal.motion, Motion::Rapid | Motion::None);
         let refused = self.refusal_beside(block);
-        let mut moves: Option<SideWords> = None;
-        let before = self.others.side.at;
+        let mut ways: [Option<(f64, f64)>; 6] = [None; 6];
+        let mut first = None;
         for (axis, word) in words.iter().enumerate() {
             let Some(word) = word else { continue };
             let (from, to) = self.side_move(axis, word, cuts);
@@ -57,15 +57,20 @@ impl Reader<'_, '_, '_> {
                 );
                 said.expected("side axes beside straight moves and arcs alone");
             } else {
-                let here = std::array::from_fn(|axis| before[axis].unwrap_or(0.0));
-                let all = moves.get_or_insert(SideWords { from: here, to: here, span: word.span });
-                (all.from[axis], all.to[axis]) = (from, to);
+                ways[axis] = Some((from, to));
+                first = first.or(Some(word.span));
             }
         }
-        if moves.is_some() {
+        if first.is_some() {
             self.say_feed_rule(block, words.iter().flatten().next().map_or(block.span, |word| word.span));
         }
-        self.others.side.words = moves;
+        // All others stand where they are now: a word may just have said where.
+        let at = self.others.side.at;
+        let ends = |of: fn((f64, f64)) -> f64| {
+            std::array::from_fn(|axis| ways[axis].map_or_else(|| at[axis].unwrap_or(0.0), of))
+        };
+        self.others.side.words =
+            first.map(|span| SideWords { from: ends(|way| way.0), to: ends(|way| way.1), span });
     }
 
     /// From where to where a word moves its axis, in degrees or mm; the axis is then there. The first number of an axis
