@@ -231,7 +231,7 @@ mod tests {
             trace.columns.iter().map(|column| column.share).fold(0.0, f64::max)
         };
         assert!((shares(0.0) - 2.0).abs() < 1e-9, "{}", shares(0.0));
-        assert_eq!([shares(0.01), shares(f64::INFINITY)], [0.0; 2]);
+        assert!(shares(0.01) < 1e-9 && shares(f64::INFINITY) < 1e-9, "{}", shares(0.01));
     }
 
     /// However long a log is, its trace has no more columns, and no extreme is lost.
@@ -267,6 +267,7 @@ mod tests {
             feed_mm: 1.0,
             stands_before: true,
             r_mm: 0.0,
+            at_corner_mm: 0.0,
         };
         trace.add(last);
         assert_eq!(

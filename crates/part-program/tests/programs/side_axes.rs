@@ -112,3 +112,14 @@ fn a_block_that_is_left_out_turns_nothing() {
         assert!(one.to[0] - one.from[0] <= 10.0, "{one:?}");
     }
 }
+
+/// B was lost and is placed in the block in which A moves: it stood at 0 along that move, and jumped behind it.
+#[test]
+fn an_axis_that_its_block_places_stands_there() {
+    let options = ReadOptions { lenient: true, ..ReadOptions::default() };
+    let text = "G21 G90 F600\nG0 X0 Y0 A0 B30\nG1 X5 A5\nG28 B0\nG0 X5 Y0\nG1 X10 A10 B40\nX20 A20\n";
+    let part = read_part_with("p.nc", text, options).unwrap_or_else(|errors| panic!("{errors}"));
+    let places: Vec<[f64; 2]> = part.side_moves.iter().map(|one| [one.from[1], one.to[1]]).collect();
+    assert_eq!(places.last(), Some(&[40.0; 2]), "{places:?}");
+    assert_eq!(places[places.len() - 2], [40.0; 2], "{places:?}");
+}
