@@ -160,7 +160,7 @@ const G_WORDS: &[Row] = &[
     (&[610], ALL, Act::Read, "exact stop; of LinuxCNC, exact path"),
     (&[611], ALL, Act::Read, "exact stop"),
     (&[620, 630], F, Act::Read, "cutting modes that change feeds: taken as commanded, with a warning"),
-    (&[640], ALL, Act::Read, "continuous path; its tolerance is passed, with a warning"),
+    (&[640], ALL, Act::Read, "continuous path; a run of LinuxCNC is judged by its P and Q, no plan is"),
     (&[6410, 6420, 6430, 6440, 6450], S, Act::Read, "rounded blocks: taken as commanded, with a warning"),
     (&[650], F | L | N, Act::Read, "call of a subprogram in the same file, with arguments"),
     (&[660, 661], F | N, Act::Frame(&[670]), "call at every place"),
