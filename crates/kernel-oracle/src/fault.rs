@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use real::Backend;
+
 /// What a kernel gave, and what it had to give.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KernelFault {
@@ -13,6 +15,25 @@ pub struct KernelFault {
     pub found: String,
     /// The right value, or the bound that was passed.
     pub expected: String,
+}
+
+impl KernelFault {
+    /// A fault of what that names in R, unless both are equal.
+    pub(crate) fn unless_equal<R: Backend, T: PartialEq + fmt::Debug>(
+        what: impl FnOnce() -> String,
+        found: T,
+        expected: T,
+    ) -> Result<(), Self> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(Self {
+            what: what(),
+            format: R::name().to_string(),
+            found: format!("{found:?}"),
+            expected: format!("{expected:?}"),
+        })
+    }
 }
 
 impl fmt::Display for KernelFault {

@@ -166,15 +166,7 @@ impl<R: Backend, N: Fn(i64) -> R> Turn<N> {
         found: T,
         expected: T,
     ) -> Result<(), KernelFault> {
-        if found == expected {
-            return Ok(());
-        }
-        Err(KernelFault {
-            what: format!("{what} of {operands:?}"),
-            format: R::name().to_string(),
-            found: format!("{found:?}"),
-            expected: format!("{expected:?}"),
-        })
+        KernelFault::unless_equal::<R, _>(|| format!("{what} of {operands:?}"), found, expected)
     }
 
     /// An integer in units of the square of the resolution, as a product is one.

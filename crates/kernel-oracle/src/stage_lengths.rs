@@ -194,13 +194,5 @@ fn same<R: Backend, T: PartialEq + std::fmt::Debug>(
     found: T,
     expected: T,
 ) -> Result<(), KernelFault> {
-    if found == expected {
-        return Ok(());
-    }
-    Err(KernelFault {
-        what: what.to_string(),
-        format: R::name().to_string(),
-        found: format!("{found:?}"),
-        expected: format!("{expected:?}"),
-    })
+    KernelFault::unless_equal::<R, _>(|| what.to_string(), found, expected)
 }
