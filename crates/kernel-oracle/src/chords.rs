@@ -13,7 +13,7 @@ use secant_interp::{
 
 use crate::chord_bound::ChordBound;
 use crate::fault::KernelFault;
-use crate::piece_judge::{PieceJudge, most_turn};
+use crate::piece_judge::PieceJudge;
 
 /// Curves, and steps along them.
 #[derive(Clone, Debug)]
@@ -34,8 +34,8 @@ pub struct ChordTally {
     pub formats: u32,
     /// Steps that were made.
     pub steps: u32,
-    /// Those of them whose chord was measured: not one that lands on the end, that lacked evaluations, or over which
-    /// the path comes back.
+    /// Those of them whose chord was measured: not one that lands on the end, that lacked evaluations, or over which the path turns
+    /// out of the solver's reach.
     pub measured: u32,
     /// Those of the measured ones that crossed a joint.
     pub crossed: u32,
@@ -214,9 +214,9 @@ impl<R: Backend> Step<R> {
         self.demand("a setpoint that is no number", f64::from(u8::from(!is_finite)), 0.0)?;
 
         let place = |(piece, phase): (usize, u64)| (piece, f64::from_phase(phase, 0));
-        let (_, turn) = judges.turns.turns(place(*from), place(to));
+        let turns = judges.turns.turns(place(*from), place(to));
         let is_found = setpoint.evaluations < run.tolerance.max_evaluations;
-        if !is_found || turn <= most_turn(joints) {
+        if !is_found || !turns.leave_in_reach(run.pieces.pieces.get(to.0)) {
             return Ok(false);
         }
         let chord = judges.exact.chord(*from, to);

@@ -35,7 +35,7 @@ pub use exact_format::ExactFormat;
 pub use fault::KernelFault;
 pub use limit_tables::LimitTable;
 pub use operations::{Operands, OperationCase};
-pub use piece_judge::{PieceJudge, RIGHT_ANGLE, most_turn};
+pub use piece_judge::{PieceJudge, RIGHT_ANGLE, Turns};
 pub use plan_promises::PlanPromises;
 pub use stage_lengths::StageCase;
 pub use streams::{StreamCase, reads_stream, sealed};

@@ -1,7 +1,7 @@
 //! Points, chords and turns of pieces in f64, by which steps in other formats are judged.
 
-use nurbs_core::{Joint, ORIGIN_EXPONENT, PiecesBuf};
-use real::Real;
+use nurbs_core::{Joint, ORIGIN_EXPONENT, Piece, PiecesBuf};
+use real::{Backend, Real};
 
 /// Part of a piece over which its direction is measured.
 const TANGENT: f64 = 1e-6;
@@ -10,11 +10,38 @@ const TANGENT: f64 = 1e-6;
 /// comes back, and the chord shrinks before it grows.
 pub const RIGHT_ANGLE: f64 = 0.0;
 
-/// Cosine of the turn up to which the chord of a step over so many joints is found: 60° on one piece, where steps per
-/// chord are limited to a sixteenth above that of the piece's slowest point.
-#[must_use]
-pub fn most_turn(joints: usize) -> f64 {
-    if joints > 0 { RIGHT_ANGLE } else { 0.5 }
+/// Cosine of the turn up to which a chord on one piece is found, 60°: steps per chord are limited to a sixteenth above that of the piece's
+/// slowest point.
+const ON_ONE_PIECE: f64 = 0.5;
+
+/// The longest way behind the last joint, over the whole chord, by the same limit: ways are measured along a few straight lines, and come
+/// out up to a hundredth short.
+const LONGEST_WAY: f64 = 1.05;
+
+/// The longest way behind the last joint, over what it adds to the chord: the solver's trials there are limited to half above the
+/// greatest step per chord. It is reached where the way turns by 48° from the chord up to the joint.
+const LONGEST_REST: f64 = 1.5;
+
+/// By how much the path turns over a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Turns {
+    /// Cosine of the sharpest turn at any joint, -1 where the tangent breaks.
+    pub at_joint: f64,
+    /// Cosine of the largest turn on any chord from its first direction.
+    pub in_all: f64,
+    /// The way on the last piece, over what it adds to the last chord; without end where it is too long for the whole chord too.
+    stretch: f64,
+}
+
+impl Turns {
+    /// Whether the solver's trials, on the piece of this row, reach as far as the step goes. Where the right end is out of their reach, the
+    /// chord comes out too short, however few evaluations it took.
+    #[must_use]
+    pub fn leave_in_reach<R: Backend, const D: usize>(&self, row: Option<&Piece<R, D>>) -> bool {
+        // A format of two integer bits may not hold such a trial.
+        let room = row.map_or(f64::INFINITY, |row| R::max_value().to_f64() / row.step_per_chord[1].to_f64());
+        self.in_all > RIGHT_ANGLE && self.stretch <= LONGEST_REST.min(room)
+    }
 }
 
 /// Pieces in f64, with which those of every format are compared. They are exact to 1e-15 of a piece.
@@ -53,11 +80,13 @@ impl<const D: usize> PieceJudge<D> {
     /// The length of a step between two positions: the sum of the chords from corner to corner.
     #[must_use]
     pub fn step_length(&self, from: (usize, f64), to: (usize, f64)) -> f64 {
-        let chord = |[begin, end]: [(usize, f64); 2]| {
-            let (a, b) = (self.point(begin.0, begin.1, from.0), self.point(end.0, end.1, from.0));
-            f64::norm(&core::array::from_fn::<_, D, _>(|d| b[d] - a[d]))
-        };
-        self.legs(from, to).map(chord).sum()
+        self.legs(from, to).map(|[begin, end]| self.chord(begin, end)).sum()
+    }
+
+    /// The distance of two positions.
+    fn chord(&self, from: (usize, f64), to: (usize, f64)) -> f64 {
+        let (a, b) = (self.point(from.0, from.1, from.0), self.point(to.0, to.1, from.0));
+        f64::norm(&core::array::from_fn::<_, D, _>(|d| b[d] - a[d]))
     }
 
     /// The ends of the chords that a step makes: from corner to corner.
@@ -72,19 +101,24 @@ impl<const D: usize> PieceJudge<D> {
         })
     }
 
-    /// Cosines of two turns between two positions: the sharpest turn at any joint, and the largest turn on any chord
-    /// from its first direction.
+    /// The turns between two positions.
     #[must_use]
-    pub fn turns(&self, from: (usize, f64), to: (usize, f64)) -> (f64, f64) {
+    pub fn turns(&self, from: (usize, f64), to: (usize, f64)) -> Turns {
         let on_leg = |[begin, end]: [(usize, f64); 2]| self.turns_on_chord(begin, end);
-        let least = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.min(b.1));
-        let (smooth, in_all) = self.legs(from, to).map(on_leg).fold((1.0, 1.0), least);
+        let straight = Turns { at_joint: 1.0, in_all: 1.0, stretch: 0.0 };
+        let both = |a: Turns, b: Turns| Turns {
+            at_joint: a.at_joint.min(b.at_joint),
+            in_all: a.in_all.min(b.in_all),
+            // Only on the last chord is a place looked for.
+            stretch: b.stretch,
+        };
+        let turns = self.legs(from, to).map(on_leg).fold(straight, both);
         let has_corner = self.legs(from, to).count() > 1;
-        (if has_corner { -1.0 } else { smooth }, in_all)
+        Turns { at_joint: if has_corner { -1.0 } else { turns.at_joint }, ..turns }
     }
 
     /// The turns along a chord without a corner: at the joints, at the end, and halfway to it on the last piece.
-    fn turns_on_chord(&self, (from, begin): (usize, f64), (to, end): (usize, f64)) -> (f64, f64) {
+    fn turns_on_chord(&self, (from, begin): (usize, f64), (to, end): (usize, f64)) -> Turns {
         let last = self.piece_count().saturating_sub(1);
         let (from, to, end) = if to > last { (from.min(last), last, 1.0) } else { (from, to, end) };
         let direction = |piece: usize, begin: f64, end: f64| {
@@ -104,7 +138,28 @@ impl<const D: usize> PieceJudge<D> {
             at_joint = at_joint.min(cosine(&before, &after));
             in_all = in_all.min(cosine(&first, &before)).min(cosine(&first, &after));
         }
-        (at_joint, in_all)
+        let stretch = if from < to {
+            self.stretch((from, begin), (to, end))
+        } else if in_all > ON_ONE_PIECE {
+            1.0
+        } else {
+            f64::INFINITY
+        };
+        Turns { at_joint, in_all, stretch }
+    }
+
+    /// The [stretch](Turns::stretch) of a chord over joints.
+    fn stretch(&self, from: (usize, f64), to: (usize, f64)) -> f64 {
+        let joint = (to.0, 0.0);
+        let rest = self.way(joint, to);
+        let (before, whole) = (self.chord(from, joint), self.chord(from, to));
+        if rest <= 0.0 {
+            0.0
+        } else if whole > before && rest <= LONGEST_WAY * whole {
+            rest / (whole - before)
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// Largest distance of the path from the chord between two positions, in mm. The path is sampled at three places of

@@ -1,7 +1,7 @@
 //! A run on compiled pieces; each step is checked.
 
 use feed_plan::{Junction, Schedule};
-use kernel_oracle::{ChordBound, PieceJudge, RIGHT_ANGLE, Violation, demand, most_turn};
+use kernel_oracle::{ChordBound, PieceJudge, RIGHT_ANGLE, Violation, demand};
 use nurbs_core::ORIGIN_EXPONENT;
 use real::{Backend, Counted, OperationCounts, Real};
 use secant_interp::{
@@ -289,8 +289,9 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
                 // length.
                 2.0 * f64::EPSILON * chord / (to.1 - from.1).max(f64::MIN_POSITIVE)
             };
-        let (turn, in_all) = self.judge.turns(from, to);
-        let is_found = converged && !lands && in_all > most_turn(joints);
+        let turns = self.judge.turns(from, to);
+        let row = self.run.path.table().as_pieces().pieces.get(to.0);
+        let is_found = converged && !lands && turns.leave_in_reach(row);
         if is_found {
             let share =
                 demand("chord off the wanted one, mm", &self.name, step, (chord - wanted).abs(), bound)?;
@@ -304,12 +305,12 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         // its whole way.
         let off = if is_found || lands { 0.0 } else { (chord - wanted).abs() };
         self.astray += off;
-        let comes_back = in_all <= RIGHT_ANGLE && !lands;
+        let comes_back = turns.in_all <= RIGHT_ANGLE && !lands;
         let behind = if comes_back && self.astray > bound { self.judge.way(from, to) } else { 0.0 };
         self.astray += behind;
         self.adrift += resolution + off + behind;
         let is_in_place = self.adrift <= wanted / 8.0 && (lands || chord <= wanted * (1.0 + TOO_LONG));
-        let is_smooth = turn > SMOOTH;
+        let is_smooth = turns.at_joint > SMOOTH;
         // A corner may be cut by the deviation. Where an axis' velocity may jump, no limit says by how much it may be
         // cut.
         let allowed_mm = match limits.junction {

@@ -61,7 +61,7 @@ pub fn check_against_float<R: Backend, const D: usize>(
         if ahead.0 >= judge.piece_count() {
             break;
         }
-        let cosine = judge.turns(place(from[0].min(from[1])), place(ahead)).1;
+        let cosine = judge.turns(place(from[0].min(from[1])), place(ahead)).in_all;
         if cosine <= 0.0 {
             break;
         }

@@ -92,7 +92,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// A step over a corner, at which the tangent breaks, goes from corner to corner: the sum of these chords is the
     /// length. A chord may come out shorter than planned if the path turns over it by more than 60° without a corner:
     /// steps per chord are limited to a sixteenth above that of the piece's slowest point, and such a chord has an arc
-    /// that is longer by more.
+    /// that is longer by more. Over joints it may if behind the last one the path turns by more than 48° from the chord
+    /// up to there: the way that is left is then 1½ times as long as the length that is left, and in formats of two integer
+    /// bits trials may not go so far.
     ///
     /// The function is compiled into its caller: where flash is short, call it from one place.
     #[inline(always)] // Called, it takes a tenth longer in fixed point: the state and the setpoint go through memory.
