@@ -299,8 +299,8 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         }
         let limits = &self.run.planned.path.limits;
         // Each step is off its plan by a rounding; in a slow run at one feed the sign is always the same. A step that
-        // was not found, because evaluations ran out or the path comes back, is off by its whole error of length, and
-        // may end behind a hairpin instead of in front of it. A step that was found may do so too if the run is off its
+        // was not found, because evaluations ran out, the path comes back or turns out of the solver's reach, is off by its
+        // whole error of length, and may end behind a hairpin instead of in front of it. A step that was found may do so too if the run is off its
         // plan already, because it reaches the hairpin at the feed of another place. Such a step is off by no more than
         // its whole way.
         let off = if is_found || lands { 0.0 } else { (chord - wanted).abs() };
