@@ -7,11 +7,12 @@
 //!
 //! `σ = min(c² b²/(24 (L - b/2)), c b/√12)`
 //!
-//! where c = 1.5 covers that b is a mean over two periods. The path may have a corner in a
-//! chord as well: if the direction turns by θ from the chord before it to the one behind it, two legs are as long as `L/cos(θ/2)` at most, and
-//! the chord may fall short by `L/cos(θ/2) - L` if that is more. Short moves may turn to and fro within a chord, which no setpoint shows: where a
-//! part is followed, the chord may fall short by as much as it does of the path between its ends. Positions within ρ of the motion change a sum of chords by 2ρ at its ends, and in
-//! between by ρ times what the direction turns and 2ρ²/L for each chord.
+//! where c = 1.5 covers that b is a mean over two periods. The path may have a corner in a chord as well: if the
+//! direction turns by θ from the chord before it to the one behind it, two legs are as long as `L/cos(θ/2)` at most,
+//! and the chord may fall short by `L/cos(θ/2) - L` if that is more. Short moves may turn to and fro within a chord,
+//! which no setpoint shows: where a part is followed, the chord may fall short by as much as it does of the path
+//! between its ends. Positions within ρ of the motion change a sum of chords by 2ρ at its ends, and in between by ρ
+//! times what the direction turns and 2ρ²/L for each chord.
 //!
 //! With S the sum of w chords and H the sum of what each may hide, the excess over a window is
 //! `(|S₂ - S₁| - 4ρ - H₁ - H₂) / (A w²)` and `(|S₃ - 2 S₂ + S₁| - 8ρ - H₁ - 2 H₂ - H₃) / (J w³)`, as in [`limit_judge`].
