@@ -414,15 +414,27 @@ mod tests {
         );
     }
 
+    /// C'' of the shorter path is 8e4 mm, which I16F16 does not hold; its length needs none. The longer one has 53 m, of which the format
+    /// holds 32: the length of its first span is not found.
     #[test]
-    fn a_format_that_overflows_says_so() {
+    fn a_path_that_is_longer_than_the_format_holds_is_refused() {
         use crate::test_paths::{Fixed, in_fixed, in_range};
+        let scaled = |scale: f64| {
+            let short = seed_000();
+            let points = short.control_points().iter().map(|point| point.map(|x| scale * x)).collect();
+            NurbsBuf::try_new(short.degree(), points, short.weights().to_vec(), short.knots().to_vec())
+                .unwrap()
+        };
         in_fixed("I16F16", || {
-            let curve = seed_000().convert::<Fixed>().unwrap();
-            let limits = in_range::<Fixed>(&paper_limits());
-            // C'' is 8e4 mm here: more than the format holds.
-            let outcome = FeedLimit::along(&[curve.as_curve()], &limits).map(|limit| limit.length());
-            assert_eq!(outcome, Err(PlanError::LengthOverflows { curve: 0 }));
+            let length = |scale: f64| {
+                let curve = scaled(scale).convert::<Fixed>().unwrap();
+                let limits = in_range::<Fixed>(&paper_limits());
+                FeedLimit::along(&[curve.as_curve()], &limits)
+                    .map(|limit| real::Backend::to_f64(limit.length()))
+            };
+            let found = length(1.0).unwrap();
+            assert!((found - 834.707).abs() < 0.05, "{found}");
+            assert_eq!(length(64.0), Err(PlanError::SpanTooUneven { curve: 0, span: 0 }));
         });
     }
 
