@@ -31,6 +31,8 @@ const LOWERINGS: usize = 6;
 /// another solution.
 const STRAINS: usize = 2;
 const WORTH: i32 = -9;
+/// Floats of a finer resolution than 2⁻⁴⁰ take arcs exactly enough to tell a bend from their rounding, which f32 did not.
+const EXACT: i32 = -40;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more,
 /// all of the section would pay for it, and the section is planned again for the bend alone.
 const MOST: i32 = -6;
@@ -138,12 +140,13 @@ enum Again {
 
 impl<R: Real> Followed<R> {
     /// What a section is planned again for in this trial, if that can be done. Where its arcs take so much that slowing it down would take
-    /// `too_long`, it is planned again in any case. In a fixed-point format that much may be the rounding of the arcs.
+    /// `too_long`, it is planned again in any case. Except in fixed point and in f32, where that much may be the rounding of the arcs.
     fn tries(&self, trial: usize, by_strain: bool, too_long: bool) -> Again {
         let is_trial = trial < LOWERINGS;
+        let is_exact = R::IS_FLOATING && R::resolution() < R::one().ldexp(EXACT);
         if self.has_excess() && by_strain {
             Again::Strained
-        } else if self.has_excess() && is_trial && too_long && R::IS_FLOATING {
+        } else if self.has_excess() && is_trial && too_long && is_exact {
             Again::StrainedAndSlower
         } else if is_trial && !self.too_fast.is_empty() {
             Again::TooFast
