@@ -106,8 +106,7 @@ def run(binary, command, folder):
 
 
 def built(root):
-    subprocess.run(["cargo", "build", "--quiet", "--release", "--package", "feedbits"], cwd=root, check=True)
-    return Path(os.environ.get("CARGO_TARGET_DIR", root / "target")).resolve() / "release" / "feedbits"
+    return Path(subprocess.check_output([root / "scripts/built-command"], text=True).strip())
 
 
 def arguments(words, about):
