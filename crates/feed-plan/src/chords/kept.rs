@@ -31,6 +31,8 @@ const LOWERINGS: usize = 6;
 /// another solution.
 const STRAINS: usize = 2;
 const WORTH: i32 = -9;
+/// Lower feeds that take 2⁻⁴ of a section's time cost little.
+const LITTLE: i32 = -4;
 /// Floats of a finer resolution than 2⁻⁴⁰ take arcs exactly enough to tell a bend from their rounding, which f32 did not.
 const EXACT: i32 = -40;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more,
@@ -65,65 +67,123 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
     by_strain: bool,
     plan_again: impl Fn(&FeedLimit<R>, &ScheduleBuf<R>, &[TooFast<R>]) -> Option<ScheduleBuf<R>>,
 ) -> Kept<R> {
-    let mut longest = most_of(&arcs);
+    let (chords, followed) = limit.followed(curves, &arcs, limits);
+    let mut repaired = Repaired::of(arcs, chords, followed);
     let mut lowered: Option<FeedLimit<R>> = None;
-    let (mut chords, mut followed) = limit.followed(curves, &arcs, limits);
-    let mut found = arcs;
-    let mut is_changed = false;
     for trial in 0..TRIALS {
-        let by_strain = by_strain && trial < STRAINS;
-        // After some trials, what cannot be planned again is left to its judge.
-        let tries: Vec<_> = (followed.iter().zip(slowed_durations(&found, &followed)).zip(&longest))
-            .map(|((one, takes), longest)| one.tries(trial, by_strain, takes > *longest))
-            .collect();
-        let too_fast: Vec<_> = tries.iter().map(|again| *again != Again::No).collect();
-        let slower = slowed(&found, &shares(&found, &followed, &longest, &too_fast));
-        let strained = followed.iter().zip(&tries).flat_map(|(one, again)| one.strained_ways(*again));
-        let ways: Vec<_> = followed.iter().flat_map(|one| &one.too_fast).chain(strained).copied().collect();
-        let again = too_fast.contains(&true).then(|| {
-            let lowered = lowered.get_or_insert_with(|| limit.clone());
+        let tries = repaired.tries(trial, by_strain && trial < STRAINS);
+        let before = tries.contains(&Again::StrainedAndSlower).then(|| lowered.clone()).flatten();
+        let ways = |counts: &dyn Fn(usize) -> bool| ways(&repaired.followed, &tries, counts);
+        let again = tries.iter().any(|again| *again != Again::No).then(|| {
+            let (lowered, ways) = (lowered.get_or_insert_with(|| limit.clone()), ways(&|_| true));
             lowered.lower_over(&ways);
-            plan_again(lowered, &found, &ways)
+            plan_again(lowered, &repaired.found, &ways)
         });
-        let again = again.flatten().filter(|again| sections(again.stages()).count() == too_fast.len());
-        if slower.is_none() && again.is_none() {
-            break;
-        }
-        let others = slower.as_ref().unwrap_or(&found);
-        let next = match &again {
-            Some(again) => spliced(others, wanted(again, &too_fast), &too_fast),
-            None => others.clone(),
-        };
-        let changed: Vec<_> = sections(found.stages())
-            .zip(sections(next.stages()))
-            .map(|(a, b)| a.stages() != b.stages())
-            .collect();
-        if !changed.contains(&true) {
-            break;
-        }
-        for (((longest, most), is_again), is_changed) in
-            longest.iter_mut().zip(most_of(&next)).zip(&too_fast).zip(&changed)
-        {
-            // No section that is to be planned again is slowed down in the same trial.
-            if *is_again && *is_changed {
-                *longest = most;
-            }
-        }
+        let Some((next, changed)) = repaired.next(again.flatten(), &tries) else { break };
         // The other sections are followed already.
         let mut part = ScheduleBuf { stages: Vec::new(), periods: 0, ..next };
         wanted(&next, &changed).for_each(|section| part.push(&section));
         let (chords_of_part, followed_again) = limit.followed(curves, &part, limits);
-        chords = restarted(spliced(&chords, sections(chords_of_part.stages()), &changed));
-        let places = followed.iter_mut().zip(&changed).filter(|(_, is_changed)| **is_changed);
-        places.zip(followed_again).for_each(|((place, _), again)| *place = again);
-        (found, is_changed) = (next, true);
+        let taken = helped([&repaired.found, &next], [&repaired.followed, &followed_again], &changed, &tries);
+        if taken != changed {
+            let mut again = before.unwrap_or_else(|| limit.clone());
+            again.lower_over(&ways(&|section| taken[section]));
+            lowered = Some(again);
+        }
+        repaired.take(&next, &chords_of_part, followed_again, [&changed, &taken], &tries);
     }
-    let section = |one: &Followed<R>| KeptSection {
-        lead: one.lead,
-        is_kept: one.too_fast.is_empty() && !one.has_excess(),
-    };
-    let sections = followed.iter().map(section).collect();
-    Kept { arcs: found, chords, sections, is_changed }
+    repaired.kept()
+}
+
+/// A plan that is repaired section by section.
+struct Repaired<R> {
+    found: ScheduleBuf<R>,
+    chords: ScheduleBuf<R>,
+    followed: Vec<Followed<R>>,
+    /// The longest time that each section may take once it is slowed down.
+    longest: Vec<R>,
+    /// Whether lower feeds did not help a section.
+    in_vain: Vec<bool>,
+    is_changed: bool,
+}
+
+impl<R: Real> Repaired<R> {
+    fn of(arcs: ScheduleBuf<R>, chords: ScheduleBuf<R>, followed: Vec<Followed<R>>) -> Self {
+        let (longest, in_vain) = (most_of(&arcs), followed.iter().map(|_| false).collect());
+        Self { found: arcs, chords, followed, longest, in_vain, is_changed: false }
+    }
+
+    /// Whether each section takes too long if it is slowed down by as much as it needs.
+    fn too_long(&self) -> impl Iterator<Item = bool> {
+        let sections = sections(self.found.stages()).zip(&self.followed).zip(&self.longest);
+        sections.map(|((section, one), longest)| section.duration() * (R::one() + one.excess) > *longest)
+    }
+
+    /// What each section is planned again for. After some trials, what cannot be planned again is left to its judge.
+    fn tries(&self, trial: usize, by_strain: bool) -> Vec<Again> {
+        let sections = self.followed.iter().zip(self.too_long()).zip(&self.in_vain);
+        sections.map(|((one, too_long), in_vain)| one.tries(trial, by_strain, too_long && !in_vain)).collect()
+    }
+
+    /// The plan with sections as they were planned again, and others slowed down, and which sections that changes; `None` if none.
+    fn next(&self, again: Option<ScheduleBuf<R>>, tries: &[Again]) -> Option<(ScheduleBuf<R>, Vec<bool>)> {
+        let again = again.filter(|again| sections(again.stages()).count() == tries.len());
+        // No section that is to be planned again is slowed down in the same trial.
+        let is_again: Vec<_> = tries.iter().map(|again| *again != Again::No).collect();
+        let share = |((one, too_long), is_again): ((&Followed<R>, bool), &bool)| {
+            if too_long || *is_again { R::zero() } else { one.excess }
+        };
+        let shares: Vec<_> = self.followed.iter().zip(self.too_long()).zip(&is_again).map(share).collect();
+        let others = slowed(&self.found, &shares).unwrap_or_else(|| self.found.clone());
+        let next = match &again {
+            Some(again) => spliced(&others, wanted(again, &is_again), &is_again),
+            None => others,
+        };
+        let both = sections(self.found.stages()).zip(sections(next.stages()));
+        let changed: Vec<_> = both.map(|(a, b)| a.stages() != b.stages()).collect();
+        changed.contains(&true).then_some((next, changed))
+    }
+
+    /// Takes of the next plan the sections that are `taken` of those that are `changed`, whose chords and findings these are.
+    fn take(
+        &mut self,
+        next: &ScheduleBuf<R>,
+        chords: &ScheduleBuf<R>,
+        followed: Vec<Followed<R>>,
+        [changed, taken]: [&[bool]; 2],
+        tries: &[Again],
+    ) {
+        let of_changed = || changed.iter().zip(taken).filter(|(is_changed, _)| **is_changed);
+        let taken_of_changed: Vec<_> = of_changed().map(|(_, is_taken)| *is_taken).collect();
+        self.chords = restarted(spliced(&self.chords, wanted(chords, &taken_of_changed), taken));
+        self.found = spliced(&self.found, wanted(next, taken), taken);
+        self.is_changed |= taken.contains(&true);
+        let mut followed = followed.into_iter();
+        let all = self.followed.iter_mut().zip(&mut self.in_vain).zip(&mut self.longest);
+        let all = all.zip(most_of(next)).zip(changed.iter().zip(taken).zip(tries));
+        for ((((own, in_vain), longest), most), ((is_changed, is_taken), again)) in all {
+            let one = if *is_changed { followed.next() } else { None };
+            match one {
+                Some(one) if *is_taken => {
+                    *own = one;
+                    if *again != Again::No {
+                        *longest = most;
+                    }
+                }
+                Some(_) => *in_vain = true,
+                None => {}
+            }
+        }
+    }
+
+    fn kept(self) -> Kept<R> {
+        let section = |one: &Followed<R>| KeptSection {
+            lead: one.lead,
+            is_kept: one.too_fast.is_empty() && !one.has_excess(),
+        };
+        let sections = self.followed.iter().map(section).collect();
+        Kept { arcs: self.found, chords: self.chords, sections, is_changed: self.is_changed }
+    }
 }
 
 /// Whether a section is planned again in a trial, and what for.
@@ -171,25 +231,37 @@ impl<R: Real> Followed<R> {
     }
 }
 
-/// The time that each section takes once it is slowed down.
-fn slowed_durations<'a, R: Real>(
-    plan: &'a ScheduleBuf<R>,
-    followed: &'a [Followed<R>],
-) -> impl Iterator<Item = R> + 'a {
-    sections(plan.stages()).zip(followed).map(|(section, one)| section.duration() * (R::one() + one.excess))
+/// The ways over which sections are passed too fast, and those over which their arcs take too much, of the sections that count.
+fn ways<R: Real>(
+    followed: &[Followed<R>],
+    tries: &[Again],
+    counts: &dyn Fn(usize) -> bool,
+) -> Vec<TooFast<R>> {
+    let of = followed.iter().zip(tries).enumerate().filter(|(section, _)| counts(*section));
+    of.flat_map(|(_, (one, again))| one.too_fast.iter().chain(one.strained_ways(*again))).copied().collect()
 }
 
-/// By which share each section is to be slowed down that is not planned again.
-fn shares<R: Real>(
-    plan: &ScheduleBuf<R>,
-    followed: &[Followed<R>],
-    longest: &[R],
-    is_planned_again: &[bool],
-) -> Vec<R> {
-    let share = |(((takes, one), longest), is_again): (((R, &Followed<R>), &R), &bool)| {
-        if takes > *longest || *is_again { R::zero() } else { one.excess }
-    };
-    slowed_durations(plan, followed).zip(followed).zip(longest).zip(is_planned_again).map(share).collect()
+/// Whether each section is to be what it was changed to. `followed` are all sections before, and after that those that are changed.
+fn helped<R: Real>(
+    [before, after]: [&ScheduleBuf<R>; 2],
+    [followed, followed_again]: [&[Followed<R>]; 2],
+    changed: &[bool],
+    tries: &[Again],
+) -> Vec<bool> {
+    let mut taken = changed.to_vec();
+    let both = sections(before.stages()).zip(sections(after.stages())).zip(followed.iter().zip(tries));
+    let changed = both.zip(&mut taken).filter(|(_, is_taken)| **is_taken);
+    for ((((before, after), (was, again)), is_taken), is) in changed.zip(followed_again) {
+        let durations = [before.duration(), after.duration()];
+        *is_taken = *again != Again::StrainedAndSlower || is_worth_it([was.excess, is.excess], durations);
+    }
+    taken
+}
+
+/// Whether a section that was planned again at lower feeds is to be so: if that costs little, or what its arcs take too much falls by a
+/// quarter. What lower feeds do not cure would make each plan many times longer than the one before.
+fn is_worth_it<R: Real>([before, after]: [R; 2], [taken, takes]: [R; 2]) -> bool {
+    takes <= taken + taken.ldexp(LITTLE) || after < before - before.ldexp(-2)
 }
 
 /// The sections of a plan for which that is said.
@@ -465,6 +537,13 @@ mod tests {
                 assert!(after <= 1.1 * before, "{width} {kind:?}: {before} {after}");
             }
         }
+    }
+
+    /// On a path of the soak lower feeds left the excess as it was, and each plan took ten times as long as the one before.
+    #[test]
+    fn a_section_that_lower_feeds_do_not_cure_is_left_to_its_judge() {
+        assert!(is_worth_it([6.75, 4.0], [405.0, 2838.0]) && is_worth_it([0.03, 0.031], [379.0, 380.0]));
+        assert!(!is_worth_it([6.75, 6.75], [405.0, 2838.0]));
     }
 
     /// Rounding of f32 is more than a 256th of the chord error here: nearly every plan was lowered for it, by up to 5 % of its time.
