@@ -7,7 +7,7 @@ use part_program::{Junction, StatedLimits};
 use crate::along_path::AlongPath;
 use crate::findings::{Faults, JudgedLimit, Judgement, Standstills};
 use crate::log_place::LogPlace;
-use crate::machine_limits::{LogLimit, limits_of, most_turns, not_stated};
+use crate::machine_limits::{LogLimit, limits_of, most_turns, not_in_log, not_stated};
 use crate::options::LogOptions;
 use crate::part_follower::PartFollower;
 use crate::part_path::distance;
@@ -77,6 +77,7 @@ pub(crate) struct Judge<'p> {
 impl Judge<'_> {
     pub(crate) fn new(
         (machine, feed_mm_per_s): (&StatedLimits, Option<f64>),
+        has_axes: [bool; 3],
         options: &LogOptions,
         period_s: f64,
         corners: Corners,
@@ -85,6 +86,7 @@ impl Judge<'_> {
         let jumps = junction == Junction::VelocityJump;
         let mut limits = limits_of(machine, period_s, feed_mm_per_s, corners == Corners::OfPart);
         let mut not_judged = not_stated(machine, feed_mm_per_s);
+        not_judged.extend(not_in_log(&mut limits, has_axes));
         if jumps && corners == Corners::Unknown {
             limits.retain(|limit| limit.stated.order == 0);
             not_judged.push(
