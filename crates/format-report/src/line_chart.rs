@@ -4,6 +4,9 @@ use crate::chart::{Axis, Layout, draw};
 use crate::figure::{Entry, Figure};
 use crate::palette::{DASH_COUNT, HUE_COUNT};
 
+/// Points through which a line goes without a break.
+type Stretch = Vec<(f64, f64)>;
+
 /// Lines through points, with limits across them.
 ///
 /// ```
@@ -17,7 +20,7 @@ use crate::palette::{DASH_COUNT, HUE_COUNT};
 #[derive(Clone, Debug)]
 pub struct LineChart {
     labels: [String; 2],
-    lines: Vec<(String, Vec<Vec<(f64, f64)>>)>,
+    lines: Vec<(String, Vec<Stretch>)>,
     limits: Vec<(f64, String)>,
     is_of_plane: bool,
 }

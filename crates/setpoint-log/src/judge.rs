@@ -199,8 +199,9 @@ impl Judge<'_> {
         if let Some(last) = self.waiting.take() {
             self.look(last, at_rest, r_mm);
         }
+        // Nothing says where the next one begins, unless the axes are known to stand there.
+        self.differences.break_off();
         if !at_rest {
-            self.differences.break_off();
             self.along.end_section(false, r_mm * 3.0_f64.sqrt());
         }
         self.standing = None;
@@ -264,7 +265,8 @@ impl Judge<'_> {
             at: place(&at),
             way: Way::default(),
             feed_mm: self.feed_mm,
-            passes_corner: self.corners == Corners::Unknown || at.row.passes_corner,
+            passes_corner: self.corners == Corners::Unknown && self.junction != Junction::Stop
+                || at.row.passes_corner,
             corner: None,
             ends_at_rest,
         };

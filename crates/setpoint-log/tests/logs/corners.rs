@@ -152,15 +152,23 @@ fn a_corner_that_turns_back_is_passed_in_the_step_that_passes_it() {
 fn rapid_moves_that_a_log_leaves_out_are_no_fault() {
     let part = "G21 G90\nG0 Z30\nG0 X90 Y90\nG0 X0 Y0\nG0 Z0\nG1 X60 F3000\nG0 Z5\nG0 X0 Y50\nG0 Z0\nG1 X60\nG0 Z30\nG0 X0 Y0\n";
     let cuts = [[[0.0, 0.0, 0.0], [60.0, 0.0, 0.0]], [[0.0, 50.0, 0.0], [60.0, 50.0, 0.0]]];
-    let mut text = String::from("x,y,z,chord_mm\n");
-    for [from, to] in cuts {
-        let mut before: [f64; 3] = from;
-        for (point, _) in Motion::default().line(from, to, 0, SOUND).0 {
-            let [x, y, z] = point;
-            let _ = writeln!(text, "{x:.9},{y:.9},{z:.9},{:.12}", x - before[0]);
-            before = point;
+    let log = |rest: usize| {
+        let mut text = String::from("x,y,z,chord_mm\n");
+        for ([from, to], rest) in cuts.into_iter().zip([rest, 0]) {
+            let mut before: [f64; 3] = from;
+            for (point, _) in Motion::default().stand(from, rest).line(from, to, 0, SOUND).0 {
+                let [x, y, z] = point;
+                let _ = writeln!(text, "{x:.9},{y:.9},{z:.9},{:.12}", x - before[0]);
+                before = point;
+            }
         }
-    }
+        text
+    };
+    // One that shows the axes at rest at its begin does not show them there behind what it leaves out: Y was 50 mm away within a period.
+    let from_rest = judged(&log(5), MACHINE, Some((part, Some(1e-6)))).unwrap();
+    assert!(from_rest.at_rest[0] && from_rest.left_out == 1, "{from_rest:?}");
+    assert_eq!(from_rest.faults(), [""; 0]);
+    let text = log(0);
     let found = judged(&text, MACHINE, Some((part, Some(1e-6)))).unwrap();
     assert_eq!(found.faults(), [""; 0], "{:?}", found.part);
     let followed = found.part.unwrap();
