@@ -126,8 +126,11 @@ fn a_log_is_judged_by_the_settings_of_its_control() {
     let with =
         feedbits_in(folder.path(), &["judge", "log.csv", "--machine", "m.toml", "--assumed", "--json"]);
     assert_eq!(with.status.code(), Some(1));
-    let faults = json(&with)["faults"].clone();
-    assert_eq!(faults, serde_json::json!(["feed is broken", "jerk along the path is broken"]));
+    let found = json(&with);
+    assert_eq!(found["faults"], serde_json::json!(["feed is broken"]));
+    // The deviation that is assumed lets the path have corners that the log does not show.
+    let jerk = ("jerk along the path".to_string(), "broken_unless_corner".to_string());
+    assert!(verdicts(&found).contains(&jerk), "{found}");
 }
 
 #[test]
