@@ -4,6 +4,9 @@ use crate::chart::{Axis, Layout, draw};
 use crate::figure::{Entry, Figure};
 use crate::palette::{DASH_COUNT, HUE_COUNT};
 
+/// Points through which a line goes without a break.
+type Stretch = Vec<(f64, f64)>;
+
 /// Lines through points, with limits across them.
 ///
 /// ```
@@ -17,7 +20,7 @@ use crate::palette::{DASH_COUNT, HUE_COUNT};
 #[derive(Clone, Debug)]
 pub struct LineChart {
     labels: [String; 2],
-    lines: Vec<(String, Vec<(f64, f64)>)>,
+    lines: Vec<(String, Vec<Stretch>)>,
     limits: Vec<(f64, String)>,
     is_of_plane: bool,
 }
@@ -38,8 +41,14 @@ impl LineChart {
 
     /// Adds a line through points that are sorted by x; of a curve in the plane, in any order.
     #[must_use]
-    pub fn line(mut self, name: &str, points: Vec<(f64, f64)>) -> Self {
-        self.lines.push((name.to_string(), points));
+    pub fn line(self, name: &str, points: Vec<(f64, f64)>) -> Self {
+        self.stretches(name, vec![points])
+    }
+
+    /// Adds a line in stretches, as [`line`](Self::line) does, with nothing drawn between one and the next.
+    #[must_use]
+    pub fn stretches(mut self, name: &str, stretches: Vec<Vec<(f64, f64)>>) -> Self {
+        self.lines.push((name.to_string(), stretches));
         self
     }
 
@@ -53,8 +62,8 @@ impl LineChart {
     /// The picture. Two lines or more have a legend.
     #[must_use]
     pub fn drawn(&self) -> Figure {
-        let xs = || self.lines.iter().flat_map(|(_, points)| points.iter().map(|(x, _)| *x));
-        let ys = || self.lines.iter().flat_map(|(_, points)| points.iter().map(|(_, y)| *y));
+        let points = || self.lines.iter().flat_map(|(_, stretches)| stretches.iter().flatten());
+        let (xs, ys) = (|| points().map(|(x, _)| *x), || points().map(|(_, y)| *y));
         let limits = self.limits.iter().map(|(value, _)| *value);
         let layout = Layout { left: 84, ..Layout::default() };
         let axes = if self.is_of_plane {
@@ -64,12 +73,13 @@ impl LineChart {
             (Axis::linear(&self.labels[0], low..high), Axis::over(&self.labels[1], ys().chain(limits)))
         };
         let figure = draw(axes, &layout, |plot| {
-            for (index, (name, points)) in self.lines.iter().enumerate() {
+            for (index, (name, stretches)) in self.lines.iter().enumerate() {
                 plot.group(&class(index), name, |plot| {
                     if self.is_of_plane {
-                        plot.trails("line", &[points], name);
+                        let lines: Vec<_> = stretches.iter().map(Vec::as_slice).collect();
+                        plot.trails("line", &lines, name);
                     } else {
-                        plot.line(points);
+                        stretches.iter().for_each(|points| plot.line(points));
                     }
                 });
             }

@@ -9,10 +9,16 @@
 //!
 //! where c = 1.5 covers that b is a mean over two periods. The path may have a corner in a chord as well: if the
 //! direction turns by θ from the chord before it to the one behind it, two legs are as long as `L/cos(θ/2)` at most,
-//! and the chord may fall short by `L/cos(θ/2) - L` if that is more. Short moves may turn to and fro within a chord,
-//! which no setpoint shows: where a part is followed, the chord may fall short by as much as it does of the path
-//! between its ends. Positions within ρ of the motion change a sum of chords by 2ρ at its ends, and in between by ρ
-//! times what the direction turns and 2ρ²/L for each chord.
+//! and the chord may fall short by `L/cos(θ/2) - L` if that is more. Positions within ρ of the motion change a sum of
+//! chords by 2ρ at its ends, and in between by ρ times what the direction turns and 2ρ²/L for each chord.
+//!
+//! Short moves may turn to and fro within a chord, which no setpoint shows. Where a part is followed, or the log has the
+//! length of each step, the chord may fall short by as much as it does of the path between its ends. Where neither says
+//! how the path runs, σ is what the log makes likely and not what it proves. Then a limit is broken for certain only
+//! where the axes cannot turn so fast: a velocity that changes by B = |A| T² a period at most, of the accelerations A
+//! of all axes, varies within a period by B²/12 in the mean of squares, so that no arc is longer than its chord by more
+//! than `√(L² + B²/12) - L`. Where an axis has no such limit, or the path has corners at which its velocity jumps, nothing
+//! is certain.
 //!
 //! With S the sum of w chords and H the sum of what each may hide, the excess over a window is
 //! `(|S₂ - S₁| - 4ρ - H₁ - H₂) / (A w²)` and `(|S₃ - 2 S₂ + S₁| - 8ρ - H₁ - 2 H₂ - H₃) / (J w³)`, as in [`limit_judge`].
@@ -38,16 +44,48 @@ pub(crate) struct OfPath {
     /// The largest share over single periods, as the chords are.
     pub(crate) raw: Worst,
     /// The largest that every motion takes, and the periods of its window.
-    pub(crate) excess: Worst,
+    pub(crate) excess: Excess,
+    /// The same of chords of which it is known for certain by how much they fall short.
+    pub(crate) certain: Excess,
+}
+
+/// The largest share of a limit that is taken beyond what is hidden, and the periods of its window.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Excess {
+    pub(crate) worst: Worst,
     pub(crate) periods: usize,
 }
 
+impl Excess {
+    const NONE: Self = Self { worst: Worst { figure: 0.0, at: None }, periods: 1 };
+
+    fn add(&mut self, figure: f64, at: StepPlace, periods: usize) {
+        if self.worst.at.is_none() || is_less(self.worst.figure, figure) {
+            *self = Self { worst: Worst { figure, at: Some(at) }, periods };
+        }
+    }
+}
+
 /// The chords up to a setpoint.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Sum {
-    at: StepPlace,
     chords_mm: f64,
+    /// By how much they may fall short, by how the points bend, and for certain.
     hidden_mm: f64,
+    certain_mm: f64,
+    /// Chords of which nothing is certain.
+    unknown: u64,
+}
+
+impl Sum {
+    fn since(self, from: Self) -> Self {
+        Self {
+            chords_mm: self.chords_mm - from.chords_mm,
+            hidden_mm: self.hidden_mm - from.hidden_mm,
+            certain_mm: self.certain_mm - from.certain_mm,
+            unknown: self.unknown - from.unknown,
+        }
+    }
 }
 
 /// How the way is bent at a setpoint.
@@ -76,8 +114,8 @@ struct Step {
     way_mm: [f64; 3],
     /// How it is bent at its begin.
     begin: Bend,
-    /// By how much it is shorter than the path between its ends, in mm, as far as that is known.
-    detour_mm: f64,
+    /// By how much it is shorter than the path between its ends, in mm, where that is known.
+    detour_mm: Option<f64>,
 }
 
 /// Acceleration and jerk along the path so far.
@@ -86,18 +124,28 @@ pub(crate) struct AlongPath {
     sums: VecDeque<Sum>,
     /// Whether the tool stands before the first of the sums.
     stands_before: bool,
-    /// The last setpoint, and the step to it.
-    last: Option<(StepPlace, Step)>,
+    /// The last setpoint, and the step to it if it is not the first of a section.
+    last: Option<(StepPlace, Option<Step>)>,
     /// Setpoints still to come whose windows hold a difference that exceeds a limit.
     open: usize,
+    /// By how much each axis can change its step within a period, in mm, where something bounds that.
+    turns_mm: [Option<f64>; 3],
+    /// Which of them have moved.
+    has_moved: [bool; 3],
 }
 
 impl AlongPath {
-    /// Under limits of acceleration and jerk, in mm and periods.
-    pub(crate) fn new(acceleration: Option<f64>, jerk: Option<f64>) -> Self {
+    /// Under limits of acceleration and jerk, in mm and periods. An axis changes its step by no more than `turns_mm` in a
+    /// period, where that is known.
+    pub(crate) fn new(acceleration: Option<f64>, jerk: Option<f64>, turns_mm: [Option<f64>; 3]) -> Self {
         let limit = |(order, most): (usize, Option<f64>)| {
-            let (raw, excess) = (Worst::default(), Worst::default());
-            Some(OfPath { order, most: most?, raw, excess, periods: 1 })
+            Some(OfPath {
+                order,
+                most: most?,
+                raw: Worst::default(),
+                excess: Excess::NONE,
+                certain: Excess::NONE,
+            })
         };
         Self {
             limits: [(1, acceleration), (2, jerk)].into_iter().filter_map(limit).collect(),
@@ -105,39 +153,39 @@ impl AlongPath {
             stands_before: false,
             last: None,
             open: 0,
+            turns_mm,
+            has_moved: [false; 3],
         }
     }
 
     /// Adds a setpoint that is known within `rho_mm`; `stands` says whether the tool stands before it, at the begin of a section. The step to it is
-    /// shorter than the path by `detour_mm`, as far as the path is known.
-    pub(crate) fn add(&mut self, at: StepPlace, stands: bool, rho_mm: f64, detour_mm: f64) {
+    /// shorter than the path by `detour_mm`, where that is known.
+    pub(crate) fn add(&mut self, at: StepPlace, stands: bool, rho_mm: f64, detour_mm: Option<f64>) {
         if self.limits.is_empty() {
             return;
         }
         let Some((before, step_before)) = self.last else {
             self.stands_before = stands;
-            self.sums.push_back(Sum { at, chords_mm: 0.0, hidden_mm: 0.0 });
-            self.last = Some((at, Step::default()));
+            self.sums.push_back(Sum::default());
+            self.last = Some((at, None));
             return;
         };
         let way_mm: [f64; 3] = std::array::from_fn(|axis| at.point_mm[axis] - before.point_mm[axis]);
-        let is_first = self.sums.len() == 1 && self.sums[0].at == before;
-        let next_bend = if is_first && !self.stands_before {
+        (0..3).for_each(|axis| self.has_moved[axis] |= way_mm[axis] != 0.0);
+        let begin = if step_before.is_none() && !self.stands_before {
             Bend::default()
         } else {
-            Bend::between(&step_before.way_mm, &way_mm)
+            Bend::between(&step_before.unwrap_or_default().way_mm, &way_mm)
         };
-        if !is_first {
-            self.add_chord(before, step_before, next_bend, rho_mm);
+        if let Some(step) = step_before {
+            self.add_chord(before, step, begin, rho_mm);
         }
-        self.last = Some((at, Step { way_mm, begin: next_bend, detour_mm }));
+        self.last = Some((at, Some(Step { way_mm, begin, detour_mm })));
     }
 
     /// Ends a section; `stands` says whether the tool stands behind it.
     pub(crate) fn end_section(&mut self, stands: bool, rho_mm: f64) {
-        if let Some((at, step)) = self.last.take()
-            && self.sums.back().is_some_and(|sum| sum.at != at)
-        {
+        if let Some((at, Some(step))) = self.last.take() {
             let behind = Bend { mm: if stands { length(&step.way_mm) } else { 0.0 }, turn: 0.0 };
             self.add_chord(at, step, behind, rho_mm);
             // Behind a rest the windows see what came before.
@@ -148,7 +196,8 @@ impl AlongPath {
             } else {
                 0
             };
-            (0..more).for_each(|_| self.add_chord(at, Step::default(), Bend::default(), rho_mm));
+            let rest = Step { detour_mm: Some(0.0), ..Step::default() };
+            (0..more).for_each(|_| self.add_chord(at, rest, Bend::default(), rho_mm));
         }
         self.sums.clear();
         (self.last, self.open) = (None, 0);
@@ -157,37 +206,47 @@ impl AlongPath {
     /// Adds the chord of a step that is bent so at its end.
     fn add_chord(&mut self, at: StepPlace, step: Step, end: Bend, rho_mm: f64) {
         let Some(last) = self.sums.back().copied() else { return };
-        let (begin, chord_mm) = (step.begin, length(&step.way_mm));
-        let bend_mm = begin.mm.max(end.mm);
-        let bend = ABOVE_MEAN * bend_mm;
-        let whole = bend / 12.0_f64.sqrt();
-        let straight = chord_mm - 0.5 * bend_mm;
-        let in_bend_mm = if straight > 0.0 { whole.min(bend * bend / (24.0 * straight)) } else { whole };
-        let turn = begin.turn + end.turn;
-        let at_corner_mm = chord_mm * ((turn.min(SHARPEST) / 2.0).cos().recip() - 1.0);
-        let short_mm = in_bend_mm.max(at_corner_mm).max(step.detour_mm);
+        let chord_mm = length(&step.way_mm);
+        let bend = ABOVE_MEAN * step.begin.mm.max(end.mm);
+        let short_mm = short_mm(chord_mm, [step.begin, end]).max(step.detour_mm.unwrap_or(0.0));
         let turned_mm = if chord_mm > 0.0 { (rho_mm * bend + 2.0 * rho_mm * rho_mm) / chord_mm } else { 0.0 };
+        let turned_mm = turned_mm.min(2.0 * rho_mm);
+        let certain_mm = match step.detour_mm {
+            Some(_) => Some(short_mm),
+            None => self.most_short_mm(chord_mm, rho_mm).map(|most| most.max(short_mm)),
+        };
         self.sums.push_back(Sum {
-            at,
             chords_mm: last.chords_mm + chord_mm,
-            hidden_mm: last.hidden_mm + short_mm + turned_mm.min(2.0 * rho_mm),
+            hidden_mm: last.hidden_mm + short_mm + turned_mm,
+            certain_mm: last.certain_mm + certain_mm.unwrap_or(0.0) + turned_mm,
+            unknown: last.unknown + u64::from(certain_mm.is_none()),
         });
         if self.sums.len() > SPAN {
             self.sums.pop_front();
         }
         self.open = self.open.saturating_sub(1);
-        if self.look_through(0, rho_mm) {
+        if self.look_through(0, at, rho_mm) {
             self.open = SPAN;
         }
         if self.open > 0 {
             for window in 1..WINDOWS {
-                self.look_through(window, rho_mm);
+                self.look_through(window, at, rho_mm);
             }
         }
     }
 
-    /// Looks through the windows of 2ʷ periods that end with the last setpoint; whether a difference is above its limit.
-    fn look_through(&mut self, window: usize, rho_mm: f64) -> bool {
+    /// By how much a step is shorter at most than the way of a tool whose axes turn as fast as they can; `None` where an axis that
+    /// has moved has no bound.
+    fn most_short_mm(&self, chord_mm: f64, rho_mm: f64) -> Option<f64> {
+        let is_bounded = |axis: usize| self.turns_mm[axis].is_some() || !self.has_moved[axis];
+        let squares: f64 = self.turns_mm.iter().flatten().map(|most| most * most).sum();
+        let least_mm = (chord_mm - 2.0 * rho_mm).max(0.0);
+        let has_bound = squares > 0.0 && (0..3).all(is_bounded);
+        has_bound.then(|| (least_mm * least_mm + squares / 12.0).sqrt() - least_mm)
+    }
+
+    /// Looks through the windows of 2ʷ periods that end with a setpoint; whether a difference is above its limit.
+    fn look_through(&mut self, window: usize, at: StepPlace, rho_mm: f64) -> bool {
         let width = 1_usize << window;
         let last = self.sums.len() - 1;
         let before = self.sums.front().filter(|_| self.stands_before && self.sums.len() < SPAN).copied();
@@ -195,36 +254,62 @@ impl AlongPath {
             last.checked_sub(back * width).and_then(|index| self.sums.get(index).copied()).or(before)
         };
         let [Some(here), Some(near), Some(far), farther] = [0, 1, 2, 3].map(sum) else { return false };
-        let between = |to: Sum, from: Sum| [to.chords_mm - from.chords_mm, to.hidden_mm - from.hidden_mm];
-        let [last_mm, last_hidden] = between(here, near);
-        let [middle_mm, middle_hidden] = between(near, far);
-        let of_jerk = farther.map(|farther| {
-            let [first_mm, first_hidden] = between(far, farther);
-            (
-                last_mm - 2.0 * middle_mm + first_mm,
-                8.0 * rho_mm + last_hidden + 2.0 * middle_hidden + first_hidden,
-            )
+        let (last, middle) = (here.since(near), near.since(far));
+        let of_acceleration = Some(Difference {
+            mm: last.chords_mm - middle.chords_mm,
+            hidden_mm: 4.0 * rho_mm + last.hidden_mm + middle.hidden_mm,
+            certain_mm: 4.0 * rho_mm + last.certain_mm + middle.certain_mm,
+            is_known: here.unknown == far.unknown,
         });
-        let of_acceleration = Some((last_mm - middle_mm, 4.0 * rho_mm + last_hidden + middle_hidden));
+        let of_jerk = farther.map(|farther| {
+            let first = far.since(farther);
+            Difference {
+                mm: last.chords_mm - 2.0 * middle.chords_mm + first.chords_mm,
+                hidden_mm: 8.0 * rho_mm + last.hidden_mm + 2.0 * middle.hidden_mm + first.hidden_mm,
+                certain_mm: 8.0 * rho_mm + last.certain_mm + 2.0 * middle.certain_mm + first.certain_mm,
+                is_known: here.unknown == farther.unknown,
+            }
+        });
         let scale = width as f64;
         let mut exceeds = false;
         for limit in &mut self.limits {
             let found = if limit.order == 1 { of_acceleration } else { of_jerk };
-            let Some((difference_mm, hidden_mm)) = found else { continue };
+            let Some(found) = found else { continue };
             let most_mm = limit.most * if limit.order == 1 { scale * scale } else { scale * scale * scale };
-            let share = difference_mm.abs() / most_mm;
+            let share = found.mm.abs() / most_mm;
             exceeds |= share > 1.0;
             if window == 0 {
-                limit.raw.add(share, here.at);
+                limit.raw.add(share, at);
             }
-            let excess = (difference_mm.abs() - hidden_mm) / most_mm;
-            if limit.excess.at.is_none() || is_less(limit.excess.figure, excess) {
-                limit.excess = Worst { figure: excess, at: Some(here.at) };
-                limit.periods = width;
+            limit.excess.add((found.mm.abs() - found.hidden_mm) / most_mm, at, width);
+            if found.is_known {
+                limit.certain.add((found.mm.abs() - found.certain_mm) / most_mm, at, width);
             }
         }
         exceeds
     }
+}
+
+/// A difference of sums of chords, and what is hidden of it.
+#[derive(Clone, Copy, Debug)]
+struct Difference {
+    mm: f64,
+    /// By how the points bend, and for certain, where that is known.
+    hidden_mm: f64,
+    certain_mm: f64,
+    is_known: bool,
+}
+
+/// By how much a chord is shorter than its arc, by how the way bends at both ends.
+fn short_mm(chord_mm: f64, [begin, end]: [Bend; 2]) -> f64 {
+    let bend_mm = begin.mm.max(end.mm);
+    let bend = ABOVE_MEAN * bend_mm;
+    let whole = bend / 12.0_f64.sqrt();
+    let straight = chord_mm - 0.5 * bend_mm;
+    let in_bend_mm = if straight > 0.0 { whole.min(bend * bend / (24.0 * straight)) } else { whole };
+    let turn = begin.turn + end.turn;
+    let at_corner_mm = chord_mm * ((turn.min(SHARPEST) / 2.0).cos().recip() - 1.0);
+    in_bend_mm.max(at_corner_mm)
 }
 
 #[cfg(test)]
@@ -233,11 +318,11 @@ mod tests {
 
     /// Along a circle of a radius, by this arc length at each period, from rest to rest.
     fn judged(radius: f64, arcs: &[f64], rho_mm: f64, [acceleration, jerk]: [f64; 2]) -> Vec<OfPath> {
-        let mut along = AlongPath::new(Some(acceleration), Some(jerk));
+        let mut along = AlongPath::new(Some(acceleration), Some(jerk), [None; 3]);
         for (index, arc) in (0..).zip(arcs) {
             let (sin, cos) = (arc / radius).sin_cos();
             let point_mm = [radius * sin, radius - radius * cos, 0.0];
-            along.add(StepPlace { index, row: index + 1, curve: 0, point_mm }, true, rho_mm, 0.0);
+            along.add(StepPlace { index, row: index + 1, curve: 0, point_mm }, true, rho_mm, Some(0.0));
         }
         along.end_section(true, rho_mm);
         along.limits
@@ -267,10 +352,10 @@ mod tests {
         let (jerk, periods) = (2e-5, 50);
         for radius in [1e6, 100.0, 10.0, 1.0] {
             for found in judged(radius, &arcs(jerk, periods), 1e-12, [jerk * 50.0, jerk]) {
-                assert!(found.excess.figure <= 1.0 + 1e-6, "{radius}: {found:?}");
+                assert!(found.excess.worst.figure <= 1.0 + 1e-6, "{radius}: {found:?}");
             }
             for found in judged(radius, &arcs(1.1 * jerk, periods), 1e-12, [jerk * 50.0, jerk]) {
-                assert!(found.excess.figure > 1.02, "{radius}: {found:?}");
+                assert!(found.excess.worst.figure > 1.02, "{radius}: {found:?}");
             }
         }
     }

@@ -76,8 +76,8 @@ pub enum LimitVerdict {
     KeptWithin,
     /// No motion within the resolution keeps it.
     Broken,
-    /// No motion within the resolution keeps it, unless the path has a corner there, of which the machine may cut some:
-    /// the log does not say where corners are, and a part does.
+    /// No motion within the resolution keeps it, unless the path has a corner there, of which the machine may cut some, or
+    /// turns to and fro between two setpoints: the log does not say how it runs, and a part does.
     BrokenUnlessCorner,
     /// The log has no window without a gap over which it could be seen.
     NotJudged,

@@ -1,15 +1,16 @@
 //! The judge of setpoints as they come: findings in memory that does not grow with the log.
 
+use domains::machine::DEVIATION;
 use limit_judge::{Differences, LimitFinding, Of, Setpoint, StepPlace, Way};
 use part_program::{Junction, StatedLimits};
 
 use crate::along_path::AlongPath;
 use crate::findings::{Faults, JudgedLimit, Judgement, Standstills};
 use crate::log_place::LogPlace;
-use crate::machine_limits::{LogLimit, limits_of, not_stated};
+use crate::machine_limits::{LogLimit, limits_of, most_turns, not_in_log, not_stated};
 use crate::options::LogOptions;
 use crate::part_follower::PartFollower;
-use crate::part_path::{cross, distance, dot, norm};
+use crate::part_path::distance;
 use crate::period::{Event, Setpoint as Timed};
 use crate::row::Row;
 use crate::trace::{Trace, TracePoint};
@@ -23,7 +24,7 @@ const LEAST_STAND: u64 = 10;
 /// What is known of the corners of a path, at which a machine may cut some of it or jump in velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Corners {
-    /// Any turn of the log may be one.
+    /// Any step may pass one: short moves to and fro within a period leave no turn in the log.
     Unknown,
     /// The log marks them.
     Marked,
@@ -39,8 +40,6 @@ pub(crate) struct Judge<'p> {
     /// The last step, in mm.
     step_mm: f64,
     last_point: Option<[f64; 3]>,
-    /// The step to it, where no row is missing before it.
-    last_way: Option<[f64; 3]>,
     pub(crate) limits: Vec<LogLimit>,
     differences: Differences,
     pub(crate) along: AlongPath,
@@ -78,13 +77,16 @@ pub(crate) struct Judge<'p> {
 impl Judge<'_> {
     pub(crate) fn new(
         (machine, feed_mm_per_s): (&StatedLimits, Option<f64>),
+        has_axes: [bool; 3],
         options: &LogOptions,
         period_s: f64,
         corners: Corners,
     ) -> Self {
-        let jumps = machine.junction == Junction::VelocityJump;
+        let junction = junction_of(machine, corners);
+        let jumps = junction == Junction::VelocityJump;
         let mut limits = limits_of(machine, period_s, feed_mm_per_s, corners == Corners::OfPart);
         let mut not_judged = not_stated(machine, feed_mm_per_s);
+        not_judged.extend(not_in_log(&mut limits, has_axes));
         if jumps && corners == Corners::Unknown {
             limits.retain(|limit| limit.stated.order == 0);
             not_judged.push(
@@ -98,12 +100,12 @@ impl Judge<'_> {
             unseen_mm: 0.0,
             step_mm: 0.0,
             last_point: None,
-            last_way: None,
             differences: Differences::new(&stated),
             trace: options.traces.then(|| Trace::new(&stated, period_s)),
             along: AlongPath::new(
                 machine.acceleration_mm_per_s2.filter(|_| judges_path).map(|most| most * period_s.powi(2)),
                 machine.jerk_mm_per_s3.filter(|_| judges_path).map(|most| most * period_s.powi(3)),
+                most_turns(machine, junction, period_s),
             ),
             limits,
             not_judged,
@@ -112,7 +114,7 @@ impl Judge<'_> {
             given_r_mm: options.resolution_mm,
             from_rest_to_rest: options.from_rest_to_rest,
             corners,
-            junction: machine.junction,
+            junction,
             largest_mm: 0.0,
             waiting: None,
             standing: None,
@@ -197,15 +199,15 @@ impl Judge<'_> {
         if let Some(last) = self.waiting.take() {
             self.look(last, at_rest, r_mm);
         }
+        // Nothing says where the next one begins, unless the axes are known to stand there.
+        self.differences.break_off();
         if !at_rest {
-            self.differences.break_off();
             self.along.end_section(false, r_mm * 3.0_f64.sqrt());
         }
         self.standing = None;
         if let Some(trace) = &mut self.trace {
             trace.end_section();
         }
-        self.last_way = None;
         self.longest_rows = self.longest_rows.max(std::mem::take(&mut self.stretch_rows));
     }
 
@@ -258,27 +260,26 @@ impl Judge<'_> {
         self.stretch_rows += 1;
         let rho_mm = r_mm * 3.0_f64.sqrt();
         let from = self.last_point.replace(point);
-        let way = from.map(|from| std::array::from_fn(|axis| point[axis] - from[axis]));
-        self.step_mm = way.map_or(self.step_mm, |way| norm(&way));
-        let before = std::mem::replace(&mut self.last_way, way.filter(|_| unseen_mm == 0.0));
-        let is_turn = before.zip(way).is_some_and(|(before, way)| turns(&before, &way, rho_mm));
+        self.step_mm = from.map_or(self.step_mm, |from| distance(&from, &point));
         let mut next = Setpoint {
             at: place(&at),
             way: Way::default(),
             feed_mm: self.feed_mm,
-            passes_corner: match self.corners {
-                Corners::Marked => at.row.passes_corner,
-                _ => is_turn,
-            },
+            passes_corner: self.corners == Corners::Unknown && self.junction != Junction::Stop
+                || at.row.passes_corner,
             corner: None,
             ends_at_rest,
         };
-        let mut detour_mm = 0.0;
+        // A log that has the length of each step says how much shorter the straight way is.
+        let mut detour_mm = at
+            .row
+            .chord_mm
+            .map(|length_mm| (length_mm - from.map_or(0.0, |from| distance(&from, &point))).max(0.0));
         if let Some(follower) = &mut self.follower {
             let followed =
                 follower.follow(&LogPlace::of(&next.at, begin_s, period_s), unseen_mm, 2.0 * rho_mm);
             (next.feed_mm, next.passes_corner) = (followed.feed_mm, followed.corner.is_some());
-            detour_mm = followed.detour_mm;
+            detour_mm = Some(followed.detour_mm.max(detour_mm.unwrap_or(0.0)));
             next.corner = followed.corner.filter(|_| self.junction == Junction::VelocityJump);
         }
         let standing = self.standing.take();
@@ -286,7 +287,7 @@ impl Judge<'_> {
             let LogPlace { time_s, point_mm, .. } = LogPlace::of(&next.at, begin_s, period_s);
             let (feed_mm, stands_before) = (next.feed_mm, standing.is_some());
             let hides = || self.junction.hidden_at_corners_mm().unwrap_or(f64::INFINITY);
-            // Where nobody knows the corners, each turn would be one.
+            // Where nobody knows the corners, each step would pass one.
             let is_known = self.corners != Corners::Unknown;
             let at_corner_mm = if is_known && next.passes_corner { hides() } else { 0.0 };
             let period = next.at.index;
@@ -361,6 +362,13 @@ impl Judge<'_> {
     }
 }
 
+/// How the machine passes corners. Where nobody knows where they are, a deviation that its file only assumes excuses nothing: any step could
+/// be one.
+fn junction_of(machine: &StatedLimits, corners: Corners) -> Junction {
+    let is_assumed = machine.assumed_value(None, DEVIATION.name).is_some();
+    if is_assumed && corners == Corners::Unknown { Junction::Stop } else { machine.junction }
+}
+
 fn place(at: &Timed) -> StepPlace {
     let Timed { row, period } = at;
     StepPlace { index: *period, row: row.number, curve: row.program_line, point_mm: row.point_mm }
@@ -369,19 +377,4 @@ fn place(at: &Timed) -> StepPlace {
 /// Whether two rows are at the same place, as far as is seen.
 fn stands(one: &Row, other: &Row, r_mm: f64) -> bool {
     one.point_mm.iter().zip(&other.point_mm).all(|(from, to)| (from - to).abs() <= 2.0 * r_mm)
-}
-
-/// A turn of the direction that is taken for a corner, in radians, as in a path: 2⁻¹².
-const TURN: f64 = 1.0 / 4096.0;
-
-/// Whether the direction turns from one step to the next by more than positions within ρ of the motion let it seem to.
-///
-/// A turn that rounding hides changes the velocity by less than rounding does, so it needs no corner.
-fn turns(before: &[f64; 3], step: &[f64; 3], rho_mm: f64) -> bool {
-    let lengths = [norm(before), norm(step)];
-    let [least, most] = [lengths[0].min(lengths[1]), lengths[0].max(lengths[1])];
-    if least <= 4.0 * rho_mm {
-        return false;
-    }
-    norm(&cross(before, step)) > TURN * least * most + 4.0 * rho_mm * most || dot(before, step) < 0.0
 }

@@ -32,6 +32,8 @@ pub struct Log<'a> {
     marks_corners: bool,
     /// Whether the log leaves rapid moves out: one that has the length of each step tells them by it.
     leaves_rapids_out: bool,
+    /// Whether it has positions of each axis, and how many more joints it has.
+    has_axes: [bool; 3],
     other_axes: usize,
     machine: StatedLimits,
     options: LogOptions,
@@ -52,6 +54,7 @@ impl<'a> Log<'a> {
         let stated_ms = machine.interpolation_period_ms.or(machine.assumed_value(None, PERIOD.name));
         let sampled_s = options.period_s.or(stated_ms.map(|period| 1e-3 * period));
         let marks_corners = MotanLog::begins(&text.head);
+        let mut has_axes = [true; 3];
         let (mut rows, other_axes, leaves_rapids_out): (Box<dyn Rows + 'a>, usize, bool) = if marks_corners {
             let period_s = sampled_s.ok_or_else(|| {
                 let expected = "--period with the time between two";
@@ -60,6 +63,7 @@ impl<'a> Log<'a> {
             (Box::new(MotanLog::new(text, period_s)), 0, false)
         } else {
             let log = CsvLog::new(text, options.columns.as_ref(), options.unit)?;
+            has_axes = log.columns.axes.map(|column| column.is_some());
             let (other_axes, has_chords) = (log.columns.other_axes, log.columns.chord.is_some());
             (Box::new(log), other_axes, has_chords)
         };
@@ -74,7 +78,17 @@ impl<'a> Log<'a> {
         }
         let period_s = period_of(&first, rows.time_resolution_s(), machine, options)?;
         let (machine, options) = (machine.clone(), options.clone());
-        Ok(Self { rows, first, period_s, marks_corners, leaves_rapids_out, other_axes, machine, options })
+        Ok(Self {
+            rows,
+            first,
+            period_s,
+            marks_corners,
+            leaves_rapids_out,
+            has_axes,
+            other_axes,
+            machine,
+            options,
+        })
     }
 
     /// Where the axes are in the first row, in mm.
@@ -115,7 +129,8 @@ impl<'a> Log<'a> {
             None if self.marks_corners => Corners::Marked,
             None => Corners::Unknown,
         };
-        let mut judge = Judge::new((&self.machine, feed), &self.options, self.period_s, corners);
+        let mut judge =
+            Judge::new((&self.machine, feed), self.has_axes, &self.options, self.period_s, corners);
         if follower.is_none() && judge.limits.is_empty() && judge.along.limits.is_empty() {
             let said = format!("nothing can be judged: {}", judge.not_judged.join("; "));
             return Err(LogError::whole(said, "one of these limits in the machine's file, or --part"));

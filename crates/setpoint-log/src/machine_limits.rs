@@ -64,6 +64,22 @@ pub(crate) fn limits_of(
     feed.into_iter().chain(total).chain(of_axes).chain(jumps).collect()
 }
 
+/// Leaves out the limits of axes of which a log has no positions, and has a sentence for each such axis.
+pub(crate) fn not_in_log(limits: &mut Vec<LogLimit>, has_axes: [bool; 3]) -> Vec<String> {
+    let is_of = |limit: &LogLimit, axis: usize| limit.axis() == Some(AXES[axis]);
+    let missing: Vec<usize> =
+        (0..3).filter(|axis| !has_axes[*axis] && limits.iter().any(|limit| is_of(limit, *axis))).collect();
+    limits.retain(|limit| !missing.iter().any(|axis| is_of(limit, *axis)));
+    missing.into_iter().map(|axis| format!("limits of {}: the log has no column of it", AXES[axis])).collect()
+}
+
+/// The most by which each axis changes its step within a period, in mm, where the machine bounds that: one that stops at corners does.
+pub(crate) fn most_turns(machine: &StatedLimits, junction: Junction, period_s: f64) -> [Option<f64>; 3] {
+    let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
+    let stops = junction == Junction::Stop;
+    axes.map(|axis| Some(axis.acceleration_mm_per_s2.filter(|_| stops)? * period_s.powi(2)))
+}
+
 /// What the clock has to know of a machine. Where the velocity may jump, so much more.
 pub(crate) fn clock_limits(machine: &StatedLimits, period_s: f64) -> ClockLimits {
     let axes = [machine.axes.x, machine.axes.y, machine.axes.z];

@@ -10,6 +10,7 @@ use std::io::{BufRead, BufReader, Read};
 use serde::Deserialize;
 
 use crate::log_error::{LogError, quoted};
+use crate::part_path::distance;
 use crate::row::{Row, Rows};
 use crate::text::{Text, unreadable};
 
@@ -78,6 +79,9 @@ pub(crate) struct MotanLog<'a> {
     rows: u64,
     next_period: u64,
     largest_mm: f64,
+    /// Where the tool was followed to, and how long its way there is from the last setpoint, in mm.
+    followed_to: Option<[f64; 3]>,
+    way_mm: f64,
 }
 
 impl<'a> MotanLog<'a> {
@@ -98,7 +102,15 @@ impl<'a> MotanLog<'a> {
             rows: 0,
             next_period: 0,
             largest_mm: 0.0,
+            followed_to: None,
+            way_mm: 0.0,
         }
+    }
+
+    /// Follows the tool along a straight way.
+    fn go_to(&mut self, point_mm: [f64; 3]) {
+        let from = self.followed_to.replace(point_mm);
+        self.way_mm += from.map_or(0.0, |from| distance(&from, &point_mm));
     }
 
     /// Reads messages until there is a move; `false` at the end.
@@ -167,8 +179,10 @@ impl<'a> MotanLog<'a> {
         let time_s = self.begin_s + self.next_period as f64 * self.period_s;
         self.rows += 1;
         self.next_period += 1;
+        self.go_to(point_mm);
+        let chord_mm = Some(std::mem::take(&mut self.way_mm));
         self.largest_mm = point_mm.iter().fold(self.largest_mm, |most, x| most.max(x.abs()));
-        Row { number: self.rows, time_s: Some(time_s), point_mm, passes_corner, ..Row::default() }
+        Row { number: self.rows, time_s: Some(time_s), point_mm, passes_corner, chord_mm, ..Row::default() }
     }
 
     /// The place of the tool at a time at which it stands between two moves, or behind the last; `None` if it moves on.
@@ -208,6 +222,7 @@ impl Rows for MotanLog<'_> {
                 return Ok(Some(self.row(point, passes_corner)));
             }
             passes_corner |= self.entered(&next);
+            self.go_to(next.at(next.end_s()));
             self.moves.pop_front();
             self.last = Some(next);
         }
@@ -255,7 +270,11 @@ mod tests {
         [9.0,0.01,0.0,3000.0,[1.45,2.15,0.0],[-1.0,0.0,0.0]]]}}\u{3}";
 
     fn rows(text: &str) -> Result<Vec<Row>, LogError> {
-        let mut log = MotanLog::new(begun(text.as_bytes())?, 0.001);
+        rows_of(text, 0.001)
+    }
+
+    fn rows_of(text: &str, period_s: f64) -> Result<Vec<Row>, LogError> {
+        let mut log = MotanLog::new(begun(text.as_bytes())?, period_s);
         let mut rows = Vec::new();
         while let Some(row) = log.next_row()? {
             rows.push(row);
@@ -278,6 +297,16 @@ mod tests {
         assert!(rows.len() < 60, "{}", rows.len());
         let last = rows.last().unwrap();
         assert!((last.point_mm[0] - 1.3).abs() < 1e-9 && last.time_s.unwrap() > 9.009, "{last:?}");
+    }
+
+    /// A step that passes a corner has the length of both of its legs.
+    #[test]
+    fn the_length_of_a_step_is_that_of_its_moves() {
+        let rows = rows_of(LOG, 0.0013).unwrap();
+        let ways: Vec<f64> = rows.iter().filter_map(|row| row.chord_mm).collect();
+        assert!(ways.len() == rows.len() && (ways.iter().sum::<f64>() - 0.75).abs() < 1e-9, "{ways:?}");
+        let chords = rows.windows(2).map(|pair| distance(&pair[0].point_mm, &pair[1].point_mm));
+        assert!(chords.sum::<f64>() < 0.749);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 
 use limit_judge::{LimitFinding, Of, StatedLimit, WINDOWS};
 
-use crate::along_path::OfPath;
+use crate::along_path::{Excess, OfPath};
 use crate::findings::{JudgedLimit, LimitVerdict};
 use crate::log_place::LogPlace;
 use crate::machine_limits::LogLimit;
@@ -82,15 +82,24 @@ impl Verdicts {
         let power = i32::try_from(found.order + 1).unwrap_or(0);
         let value = found.most * self.period_s.powi(-power);
         let stated = StatedLimit { of: Of::Path, order: found.order, most: found.most };
-        let is_kept = found.raw.figure <= 1.0;
-        let found = LimitFinding {
+        let (raw, is_kept) = (found.raw, found.raw.figure <= 1.0);
+        let of = |taken: &Excess| LimitFinding {
             limit: stated,
-            raw: found.raw,
-            taken: if is_kept { found.raw } else { found.excess },
-            periods: if is_kept { 1 } else { found.periods },
+            raw,
+            taken: if is_kept { raw } else { taken.worst },
+            periods: if is_kept { 1 } else { taken.periods },
             seen_within_mm: None,
             decided_below_mm: 0.0,
         };
-        self.of(&LogLimit { stated, value }, &found, None)
+        let limit = LogLimit { stated, value };
+        let judged = self.of(&limit, &of(&found.excess), None);
+        if judged.verdict != LimitVerdict::Broken {
+            return judged;
+        }
+        // What is not certain is broken unless the path turns to and fro between two setpoints.
+        match self.of(&limit, &of(&found.certain), None) {
+            certain if certain.verdict == LimitVerdict::Broken => certain,
+            _ => JudgedLimit { verdict: LimitVerdict::BrokenUnlessCorner, ..judged },
+        }
     }
 }

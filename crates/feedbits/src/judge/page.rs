@@ -84,20 +84,20 @@ fn charts(machine: &StatedLimits, found: &Judgement) -> Vec<Figure> {
     let of = |label: &str, places: [usize; 3], limit: fn(&AxisLimits) -> Option<f64>| {
         let mut chart = LineChart::new(["time [s]", label]);
         for ((axis, place), limits) in ["X", "Y", "Z"].into_iter().zip(places).zip(&axes) {
-            chart = chart.line(axis, over_time(&found.trace, place));
+            chart = chart.stretches(axis, over_time(&found.trace, place));
             for value in limit(limits).into_iter().flat_map(|most| [most, -most]) {
                 chart = chart.limit(value, axis);
             }
         }
         chart.drawn()
     };
-    let mut feed = LineChart::new(["time [s]", "feed [mm/s]"]).line("feed", over_time(&found.trace, 0));
+    let mut feed = LineChart::new(["time [s]", "feed [mm/s]"]).stretches("feed", over_time(&found.trace, 0));
     let commanded = found.limits.iter().find(|limit| limit.what == "feed");
     if let Some(limit) = commanded {
         feed = feed.limit(limit.limit, "the highest commanded");
     }
     const CAPTION: &str = "As it is: with what rounding makes. Lines are the limits that the machine states. Each place keeps the least and the \
-                           greatest value.";
+                           greatest value. Nothing is drawn where rows are missing.";
     vec![
         feed.drawn().named("feed", "The feed along the path", CAPTION),
         of("acceleration [mm/s²]", [1, 2, 3], |axis| axis.acceleration_mm_per_s2).named(
@@ -113,11 +113,22 @@ fn charts(machine: &StatedLimits, found: &Judgement) -> Vec<Figure> {
     ]
 }
 
-/// The extremes of a quantity, column by column.
-fn over_time(trace: &[TraceColumn], place: usize) -> Vec<(f64, f64)> {
-    let of = |column: &TraceColumn| {
-        let extremes = column.extremes[place];
-        extremes.into_iter().flatten().map(|value| (column.time_s, value)).collect::<Vec<_>>()
-    };
-    trace.iter().flat_map(of).collect()
+/// The extremes of a quantity, column by column, in stretches: a line ends where the log has a gap, and where the quantity is not seen.
+fn over_time(trace: &[TraceColumn], place: usize) -> Vec<Vec<(f64, f64)>> {
+    let mut stretches: Vec<Vec<(f64, f64)>> = Vec::new();
+    let mut goes_on = false;
+    for column in trace {
+        let Some(extremes) = column.extremes[place] else {
+            goes_on = false;
+            continue;
+        };
+        if !(goes_on && column.follows) {
+            stretches.push(Vec::new());
+        }
+        goes_on = true;
+        if let Some(last) = stretches.last_mut() {
+            last.extend(extremes.map(|value| (column.time_s, value)));
+        }
+    }
+    stretches
 }

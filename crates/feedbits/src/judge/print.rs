@@ -160,11 +160,12 @@ fn remarks(found: &Judgement) -> String {
                 text += &labelled("broken      ", &broken(limit, &at));
             }
             (LimitVerdict::BrokenUnlessCorner, Some(at), _) => {
-                let said = format!(
-                    "{}; unless the path has a corner there, which the machine may cut: --part says where corners are",
-                    broken(limit, &at)
-                );
-                text += &labelled("broken?     ", &said);
+                let unless = if limit.what.ends_with("along the path") {
+                    "unless the path turns to and fro between two setpoints there: --part says how it runs"
+                } else {
+                    "unless the path has a corner there, which the machine may cut: --part says where corners are"
+                };
+                text += &labelled("broken?     ", &format!("{}; {unless}", broken(limit, &at)));
             }
             (LimitVerdict::KeptWithin, _, Some(within)) => {
                 text += &labelled("would show  ", &would_show(found, limit, within));

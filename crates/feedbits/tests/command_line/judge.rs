@@ -126,8 +126,11 @@ fn a_log_is_judged_by_the_settings_of_its_control() {
     let with =
         feedbits_in(folder.path(), &["judge", "log.csv", "--machine", "m.toml", "--assumed", "--json"]);
     assert_eq!(with.status.code(), Some(1));
-    let faults = json(&with)["faults"].clone();
-    assert_eq!(faults, serde_json::json!(["feed is broken", "jerk along the path is broken"]));
+    let found = json(&with);
+    assert_eq!(found["faults"], serde_json::json!(["feed is broken"]));
+    // The deviation that is assumed lets the path have corners that the log does not show.
+    let jerk = ("jerk along the path".to_string(), "broken_unless_corner".to_string());
+    assert!(verdicts(&found).contains(&jerk), "{found}");
 }
 
 #[test]
@@ -199,6 +202,30 @@ fn a_report_has_the_path_and_the_charts() {
     let input =
         feedbits_in(folder.path(), &["judge", "out/feed.svg", "--machine", "m.toml", "--report", "out"]);
     assert_eq!(input.status.code(), Some(2));
+}
+
+/// A line of the charts ends at a gap of the log: a log with a gap has one more stretch in each, and no point is drawn across.
+#[test]
+fn a_chart_of_a_log_breaks_where_rows_are_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("m.toml"), "[machine]\n[machine.axes.x]\nacceleration_mm_per_s2 = 1000\n")
+        .expect("a file");
+    let whole = log_of_x(0.0);
+    let rows: Vec<&str> = whole.lines().collect();
+    let with_a_gap = [&rows[..700], &rows[760..]].concat().join("\n") + "\n";
+    let stretches = |log: &str, charts: [&str; 3]| {
+        fs::write(folder.path().join("log.csv"), log).expect("a file");
+        let arguments = ["judge", "log.csv", "--machine", "m.toml", "--report", "out"];
+        feedbits_in(folder.path(), &arguments);
+        charts.map(|chart| {
+            let svg = fs::read_to_string(folder.path().join("out").join(chart)).expect("a picture");
+            let lines = svg.lines().filter(|line| line.contains("class=\"line\""));
+            lines.map(|line| line.matches('M').count()).sum::<usize>()
+        })
+    };
+    let charts = ["feed.svg", "acceleration.svg", "jerk.svg"];
+    let [sound, broken] = [&whole, &with_a_gap].map(|log| stretches(log, charts));
+    assert_eq!(broken, [sound[0] + 1, sound[1] + 3, sound[2] + 3], "{sound:?}");
 }
 
 /// The page on JSON has each key that a judged log may have.

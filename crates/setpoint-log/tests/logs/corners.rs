@@ -54,7 +54,8 @@ fn a_corner_is_judged_within_the_deviation_where_the_part_has_it() {
     assert_eq!(found.verdict, LimitVerdict::Broken);
 }
 
-/// The same change of velocity where the part has no corner, and the direction no turn, is broken.
+/// The same change of velocity where the part has no corner is broken. Without a part the log does not say so: short moves to and fro
+/// within a period leave no turn in it.
 #[test]
 fn a_jump_on_a_straight_line_is_no_corner() {
     let machine = machine("junction = \"deviation\"\njunction_deviation_mm = 0.01", "");
@@ -64,9 +65,18 @@ fn a_jump_on_a_straight_line_is_no_corner() {
         let _ = writeln!(text, "{x:.9},0");
         x += if row < 1000 { 0.009 } else { 0.018 };
     }
-    for has_part in [false, true] {
+    for (has_part, verdict) in [(false, LimitVerdict::BrokenUnlessCorner), (true, LimitVerdict::Broken)] {
         let found = limit(&text, &machine, has_part, "acceleration of X");
-        assert_eq!(found.verdict, LimitVerdict::Broken, "{has_part}: {found:?}");
+        assert_eq!(found.verdict, verdict, "{has_part}: {found:?}");
+    }
+    // A control that stops at corners passes none, and a deviation that its file only assumes excuses nothing.
+    let assumed = self::machine(
+        "junction = \"deviation\"\njunction_deviation_mm = 0.01\nassumed = [\"junction_deviation_mm\"]",
+        "",
+    );
+    for machine in [without_jerk(), assumed] {
+        let found = limit(&text, &machine, false, "acceleration of X");
+        assert_eq!(found.verdict, LimitVerdict::Broken, "{found:?}");
     }
 }
 
@@ -142,15 +152,23 @@ fn a_corner_that_turns_back_is_passed_in_the_step_that_passes_it() {
 fn rapid_moves_that_a_log_leaves_out_are_no_fault() {
     let part = "G21 G90\nG0 Z30\nG0 X90 Y90\nG0 X0 Y0\nG0 Z0\nG1 X60 F3000\nG0 Z5\nG0 X0 Y50\nG0 Z0\nG1 X60\nG0 Z30\nG0 X0 Y0\n";
     let cuts = [[[0.0, 0.0, 0.0], [60.0, 0.0, 0.0]], [[0.0, 50.0, 0.0], [60.0, 50.0, 0.0]]];
-    let mut text = String::from("x,y,z,chord_mm\n");
-    for [from, to] in cuts {
-        let mut before: [f64; 3] = from;
-        for (point, _) in Motion::default().line(from, to, 0, SOUND).0 {
-            let [x, y, z] = point;
-            let _ = writeln!(text, "{x:.9},{y:.9},{z:.9},{:.12}", x - before[0]);
-            before = point;
+    let log = |rest: usize| {
+        let mut text = String::from("x,y,z,chord_mm\n");
+        for ([from, to], rest) in cuts.into_iter().zip([rest, 0]) {
+            let mut before: [f64; 3] = from;
+            for (point, _) in Motion::default().stand(from, rest).line(from, to, 0, SOUND).0 {
+                let [x, y, z] = point;
+                let _ = writeln!(text, "{x:.9},{y:.9},{z:.9},{:.12}", x - before[0]);
+                before = point;
+            }
         }
-    }
+        text
+    };
+    // One that shows the axes at rest at its begin does not show them there behind what it leaves out: Y was 50 mm away within a period.
+    let from_rest = judged(&log(5), MACHINE, Some((part, Some(1e-6)))).unwrap();
+    assert!(from_rest.at_rest[0] && from_rest.left_out == 1, "{from_rest:?}");
+    assert_eq!(from_rest.faults(), [""; 0]);
+    let text = log(0);
     let found = judged(&text, MACHINE, Some((part, Some(1e-6)))).unwrap();
     assert_eq!(found.faults(), [""; 0], "{:?}", found.part);
     let followed = found.part.unwrap();
@@ -244,51 +262,115 @@ fn a_tolerance_is_judged_by_its_own_moves() {
     assert_eq!(verdicts(&part(["0.05", "0.01", "0.05"])), [(0.01, broken), (0.05, kept)]);
 }
 
-/// Two short moves, up and down by 20°, that one step passes at an even feed: its chord is shorter than its way by 0.1 mm (1 - cos 20°), 6 times
-/// what the acceleration allows, and neither the setpoint before it nor the one behind turns. A run of ours seemed to break its jerk so.
-#[test]
-fn short_moves_to_and_fro_within_a_chord_are_no_jerk_along_the_path() {
-    let (sin, cos) = 20.0_f64.to_radians().sin_cos();
-    let (from, leg) = (9.9, 0.05);
+/// Two short moves, up and down by 20°, each of this length, behind a long one.
+const LEG_MM: f64 = 0.05;
+const DEGREES: f64 = 20.0;
+
+/// The part with these moves, and a log with so many columns, of X, Y and the length of a step: one step passes both at an even feed. From
+/// row 40 on it is late by so much.
+fn tooth(columns: usize, late_mm: f64) -> [String; 2] {
+    let (sin, cos) = DEGREES.to_radians().sin_cos();
+    let from = 9.9;
     let place = |s: f64| {
-        let [up, down] = [0.0, leg].map(|begin| (s - from - begin).clamp(0.0, leg));
+        let [up, down] = [0.0, LEG_MM].map(|begin| (s - from - begin).clamp(0.0, LEG_MM));
         [s - (up + down) * (1.0 - cos), (up - down) * sin]
     };
     let mut part = String::from("G21 G90\nG1 F15000\n");
-    for s in [from, from + leg, from + 2.0 * leg, 30.0] {
+    for s in [from, from + LEG_MM, from + 2.0 * LEG_MM, 30.0] {
         let [x, y] = place(s);
         let _ = writeln!(part, "X{x:.12} Y{y:.12}");
     }
-    let log = |late_mm: f64| {
-        let mut log = String::from("x,y\n");
-        for row in 0..100 {
-            let late_mm = if row > 40 { late_mm } else { 0.0 };
-            let [x, y] = place(0.25 * (f64::from(row) + 0.37) + late_mm);
-            let _ = writeln!(log, "{x:.12},{y:.12}");
-        }
-        log
-    };
+    let mut log = ["x", "y", "chord_mm"][..columns].join(",") + "\n";
+    let mut before = 0.0;
+    for row in 0..100 {
+        let s = 0.25 * (f64::from(row) + 0.37) + if row > 40 { late_mm } else { 0.0 };
+        let [x, y] = place(s);
+        let row = [x, y, s - before].map(|number| format!("{number:.12}"));
+        log += &(row[..columns].join(",") + "\n");
+        before = s;
+    }
+    [part, log]
+}
+
+fn verdicts(log: &str, machine: &str, part: Option<&str>, what: &str) -> Vec<(LimitVerdict, f64)> {
+    let found = judged(log, machine, part.map(|part| (part, None))).unwrap();
+    let met = found.limits.iter().filter(|limit| limit.what.contains(what));
+    met.map(|limit| (limit.verdict, limit.raw)).collect()
+}
+
+/// The chord of the step that passes both is shorter than its way by 0.1 mm (1 - cos 20°), 6 times what the acceleration allows, and neither the
+/// setpoint before it nor the one behind turns. A run of ours seemed to break its jerk so. Without a part nothing in the log says that the path
+/// is no such one, unless the log has the length of each step.
+#[test]
+fn short_moves_to_and_fro_within_a_chord_are_no_jerk_along_the_path() {
     let machine =
         "[machine]\ninterpolation_period_ms = 1\nacceleration_mm_per_s2 = 1000\njerk_mm_per_s3 = 1000000\n";
-    let along = |log: &str, part| {
-        let found = judged(log, machine, part).unwrap();
-        found
-            .limits
-            .iter()
-            .filter(|limit| limit.what.ends_with("along the path"))
-            .cloned()
-            .collect::<Vec<_>>()
+    let short_mm = 2.0 * LEG_MM * (1.0 - DEGREES.to_radians().cos());
+    let shares = [short_mm / 1e-3, 2.0 * short_mm / 1e-3];
+    let along = |columns, late_mm, has_part: bool| {
+        let [part, log] = tooth(columns, late_mm);
+        verdicts(&log, machine, has_part.then_some(&part), "along the path")
     };
-    for limit in along(&log(0.0), Some((&part, None))) {
-        assert_eq!(limit.verdict, LimitVerdict::KeptWithin, "{limit:?}");
-        let short_mm = 2.0 * leg * (1.0 - cos);
-        let expected =
-            if limit.what.starts_with("acceleration") { short_mm / 1e-3 } else { 2.0 * short_mm / 1e-3 };
-        assert!((limit.raw / expected - 1.0).abs() < 1e-6, "{limit:?} {expected}");
+    let all = |verdict| [(verdict, shares[0]), (verdict, shares[1])];
+    for (columns, has_part, verdict) in [
+        (2, true, LimitVerdict::KeptWithin),
+        (2, false, LimitVerdict::BrokenUnlessCorner),
+        (3, false, LimitVerdict::KeptWithin),
+        (3, true, LimitVerdict::KeptWithin),
+    ] {
+        for ((found, raw), (verdict, share)) in along(columns, 0.0, has_part).into_iter().zip(all(verdict)) {
+            assert_eq!(found, verdict, "{columns} {has_part}");
+            assert!((raw / share - 1.0).abs() < 1e-6, "{raw} {share}");
+        }
     }
-    // No setpoint shows what the part does.
-    assert!(along(&log(0.0), None).iter().all(|limit| limit.verdict == LimitVerdict::Broken));
     // A step that is longer by four times that is found, on the tooth too.
-    let late = along(&log(0.024), Some((&part, None)));
-    assert!(late.iter().all(|limit| limit.verdict == LimitVerdict::Broken), "{late:?}");
+    for (columns, has_part) in [(2, true), (3, false), (3, true)] {
+        let late = along(columns, 0.024, has_part);
+        assert!(
+            late.iter().all(|(found, _)| *found == LimitVerdict::Broken),
+            "{columns} {has_part}: {late:?}"
+        );
+    }
+}
+
+/// At the corners of the same moves the velocity of X jumps by more than its acceleration allows, within the deviation that is allowed there.
+#[test]
+fn short_moves_to_and_fro_within_a_chord_are_corners_of_the_axes() {
+    let rule = "interpolation_period_ms = 1\njunction = \"deviation\"\njunction_deviation_mm = 0.01\n";
+    let machine = format!("[machine]\n{rule}[machine.axes.x]\nacceleration_mm_per_s2 = 1000\n");
+    let [part, log] = tooth(2, 0.0);
+    for (part, verdict) in
+        [(Some(&part[..]), LimitVerdict::KeptWithin), (None, LimitVerdict::BrokenUnlessCorner)]
+    {
+        let found = verdicts(&log, &machine, part, "acceleration of X");
+        assert!(found.len() == 1 && found[0].0 == verdict && found[0].1 > 6.0, "{found:?}");
+    }
+}
+
+/// Axes that turn by no more than their accelerations make no way to and fro within a period: where the machine states them and does not pass
+/// corners, a limit along the path is broken for certain.
+#[test]
+fn a_limit_along_the_path_is_broken_for_certain_where_the_axes_cannot_turn() {
+    let mut log = String::from("x,y\n");
+    let mut x = 0.0;
+    for row in 0..200 {
+        let _ = writeln!(log, "{x:.9},0");
+        x += 1e-6 * 1500.0 * f64::from(if row < 100 { row } else { 199 - row });
+    }
+    let axis = |name: &str| format!("[machine.axes.{name}]\nacceleration_mm_per_s2 = 2000\n");
+    let machine = |rule: &str, axes: &str| {
+        format!("[machine]\ninterpolation_period_ms = 1\nacceleration_mm_per_s2 = 1000\n{rule}{axes}")
+    };
+    let both = axis("x") + &axis("y");
+    let deviation = "junction = \"deviation\"\njunction_deviation_mm = 0.01\n";
+    for (machine, verdict) in [
+        (machine("", &both), LimitVerdict::Broken),
+        (machine("", &axis("x")), LimitVerdict::Broken),
+        (machine("", &axis("y")), LimitVerdict::BrokenUnlessCorner),
+        (machine("", ""), LimitVerdict::BrokenUnlessCorner),
+        (machine(deviation, &both), LimitVerdict::BrokenUnlessCorner),
+    ] {
+        let found = verdicts(&log, &machine, None, "acceleration along the path");
+        assert!(found.len() == 1 && found[0].0 == verdict, "{machine}: {found:?}");
+    }
 }

@@ -91,3 +91,13 @@ fn limits_that_the_machine_does_not_state_are_named() {
     assert!(nothing.starts_with("nothing can be judged: feed: "), "{nothing}");
     assert!(nothing.contains("jerk of X, Y, Z"), "{nothing}");
 }
+
+/// An axis that is in no column stood still by what was said of it: its limits were kept.
+#[test]
+fn an_axis_that_the_log_does_not_have_is_not_judged() {
+    let rows = (0..50).map(|row| format!("{:.3},{:.6}\n", 1e-3 * f64::from(row), 0.01 * f64::from(row)));
+    let found = judged(&(String::from("time,y\n") + &rows.collect::<String>()), MACHINE, None).unwrap();
+    assert!(found.limits.iter().all(|limit| limit.axis == Some("Y")) && found.limits.len() == 3, "{found:?}");
+    let said: Vec<_> = found.not_judged.iter().filter(|one| one.contains("no column")).collect();
+    assert_eq!(said, ["limits of X: the log has no column of it"], "{:?}", found.not_judged);
+}
