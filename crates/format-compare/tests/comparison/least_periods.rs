@@ -18,11 +18,11 @@ fn no_plan_takes_fewer_periods() {
     let changes: [(Change, &str, f64); 9] = [
         (|_| {}, "chord", 2.0),
         (|m| m.axes.x.velocity_mm_per_s = Some(1.0), "velocity of X", 1.3),
-        (|m| m.axes.y.acceleration_mm_per_s2 = Some(1.0), "acceleration of Y", 6.0),
+        (|m| m.axes.y.acceleration_mm_per_s2 = Some(10.0), "acceleration of Y", 6.0),
         (|m| m.axes.x.jerk_mm_per_s3 = Some(0.1), "jerk of X", 9.0),
         (|m| m.feedrate_mm_per_s = 5.0, "feedrate", 1.02),
         (|m| m.acceleration_mm_per_s2 = 5.0, "acceleration", 1.6),
-        (|m| m.jerk_mm_per_s3 = 1.0, "jerk", 2.0),
+        (|m| m.jerk_mm_per_s3 = 10.0, "jerk", 2.0),
         (|m| m.chord_error_mm = 1e-6, "chord", 1.6),
         (|m| m.centripetal_acceleration_mm_per_s2 = Some(0.5), "centripetal", 1.8),
     ];
