@@ -14,7 +14,8 @@
 //! W. Boehm, "Inserting new knots into B-spline curves", Computer-Aided Design 12 (1980); Piegl and Tiller, The NURBS Book,
 //! equation 5.15.
 
-use crate::curve::{CurveFault, Nurbs};
+use crate::curve::Nurbs;
+use crate::curve_fault::CurveFault;
 use crate::vector::{difference, length};
 
 /// A share of the parameter's range within which knots are equal, if the drawing does not give one.

@@ -4,7 +4,7 @@ use domains::curve::POINTS;
 use toml::de::DeValue;
 use toml_parser::lexer::{Lexer, Token, TokenKind};
 
-use crate::curve::{CurveFault, Element};
+use crate::curve_fault::{CurveFault, Element};
 use crate::diagnostic::Report;
 use crate::source::Span;
 use crate::toml_table::{holds, number_of};

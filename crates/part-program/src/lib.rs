@@ -43,6 +43,7 @@ mod bounds;
 mod canon;
 mod clamp;
 mod curve;
+mod curve_fault;
 mod curve_file;
 mod curve_numbers;
 mod diagnostic;
@@ -83,9 +84,8 @@ pub use approach::Approach;
 pub use arc::HELIX_TOLERANCE_MM;
 pub use auxiliary::Auxiliary;
 pub use bounds::bounding_box_mm;
-pub use curve::{
-    Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT, Nurbs,
-};
+pub use curve::{Curve, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT, Nurbs};
+pub use curve_fault::{CurveFault, Element};
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use gcode::{KnownWord, WordUse, known_words};
 pub use inspect::{Bend, Inspection, inspect};

@@ -11,7 +11,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::bezier;
-use crate::curve::{Curve, Element, Nurbs};
+use crate::curve::{Curve, Nurbs};
+use crate::curve_fault::Element;
 use crate::part::Part;
 use crate::rounding::rounded;
 

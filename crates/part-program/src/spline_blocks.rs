@@ -1,6 +1,7 @@
 //! A spline that is being read block by block: its numbers, each with its place.
 
-use crate::curve::{Curve, CurveFault, Element, Nurbs};
+use crate::curve::{Curve, Nurbs};
+use crate::curve_fault::{CurveFault, Element};
 use crate::diagnostic::Report;
 use crate::source::Span;
 

@@ -14,7 +14,8 @@
 
 use domains::shown;
 
-use crate::curve::{Curve, CurveFault, MAX_DEGREE};
+use crate::curve::{Curve, MAX_DEGREE};
+use crate::curve_fault::CurveFault;
 use crate::diagnostic::Report;
 use crate::gcode::block::Block;
 use crate::gcode::modal::Modal;
