@@ -36,7 +36,9 @@
 
 mod approach;
 mod arc;
+mod assumed_value;
 mod auxiliary;
+mod axis_limits;
 mod bend;
 mod bezier;
 mod bounds;
@@ -82,7 +84,9 @@ mod written_program;
 
 pub use approach::Approach;
 pub use arc::HELIX_TOLERANCE_MM;
+pub use assumed_value::AssumedValue;
 pub use auxiliary::Auxiliary;
+pub use axis_limits::{Axes, AxisLimits, RotaryLimits, SideLimits};
 pub use bounds::bounding_box_mm;
 pub use curve::{Curve, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT, Nurbs};
 pub use curve_fault::{CurveFault, Element};
@@ -90,10 +94,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use gcode::{KnownWord, WordUse, known_words};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, Joints, TANGENT_BREAK_RAD, is_joined};
-pub use machine::{
-    AssumedValue, Axes, AxisLimits, Junction, Machine, RotaryLimits, SideLimits, StatedLimits, read_limits,
-    read_machine,
-};
+pub use machine::{Junction, Machine, StatedLimits, read_limits, read_machine};
 pub use moves::{Move, MoveKind, Shape};
 pub use options::{Dialect, ReadOptions, Unit};
 pub use part::{Filament, Part};

@@ -1,16 +1,15 @@
 //! A machine's limits: the table `[machine]` of a TOML file.
 
-use domains::Key;
 use domains::machine::{
-    ACCELERATION, ASSUMED, AXIS_ACCELERATION, AXIS_JERK, AXIS_KEYS, AXIS_VELOCITY, CENTRIPETAL, CHORD_ERROR,
-    DEVIATION, FEEDRATE, FLUCTUATION_LIMIT, INCREMENT, JERK, JUNCTION, KEYS, MAX_ITERATIONS,
-    PARAMETER_TOLERANCE, PERIOD, ROTARY_ACCELERATION, ROTARY_JERK, ROTARY_JUMP, ROTARY_KEYS, ROTARY_VELOCITY,
-    S_STOPS, VELOCITY_JUMP,
+    ACCELERATION, CENTRIPETAL, CHORD_ERROR, DEVIATION, FEEDRATE, FLUCTUATION_LIMIT, INCREMENT, JERK,
+    JUNCTION, KEYS, MAX_ITERATIONS, PARAMETER_TOLERANCE, PERIOD, S_STOPS,
 };
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use toml::de::DeTable;
 
+use crate::assumed_value::{AssumedValue, assumed};
+use crate::axis_limits::{Axes, axes_from};
 use crate::diagnostic::{Diagnostics, Report};
 use crate::lean_toml::LeanToml;
 use crate::source::Span;
@@ -128,141 +127,12 @@ impl Serialize for Junction {
     }
 }
 
-/// Limits of single axes, where the file gives them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Axes {
-    /// Table `[machine.axes.x]`.
-    pub x: AxisLimits,
-    /// Table `[machine.axes.y]`.
-    pub y: AxisLimits,
-    /// Table `[machine.axes.z]`.
-    pub z: AxisLimits,
-    /// Table `[machine.axes.a]`.
-    #[serde(skip_serializing_if = "is_default")]
-    pub a: RotaryLimits,
-    /// Table `[machine.axes.b]`.
-    #[serde(skip_serializing_if = "is_default")]
-    pub b: RotaryLimits,
-    /// Table `[machine.axes.c]`.
-    #[serde(skip_serializing_if = "is_default")]
-    pub c: RotaryLimits,
-    /// Table `[machine.axes.u]`.
-    #[serde(skip_serializing_if = "is_default")]
-    pub u: AxisLimits,
-    /// Table `[machine.axes.v]`.
-    #[serde(skip_serializing_if = "is_default")]
-    pub v: AxisLimits,
-    /// Table `[machine.axes.w]`.
-    #[serde(skip_serializing_if = "is_default")]
-    pub w: AxisLimits,
-}
-
-/// Serde hands over a reference.
-fn is_default<T: Default + PartialEq>(limits: &T) -> bool {
-    *limits == T::default()
-}
-
-impl Axes {
-    /// The limits of the side axes, in degrees or mm, in the order of [`SIDE_AXES`](crate::SIDE_AXES).
-    #[must_use]
-    pub fn of_side_axes(&self) -> [SideLimits; 6] {
-        let [a, b, c] = [self.a, self.b, self.c].map(|axis| SideLimits {
-            velocity: axis.velocity_deg_per_s,
-            acceleration: axis.acceleration_deg_per_s2,
-            jerk: axis.jerk_deg_per_s3,
-            velocity_jump: axis.velocity_jump_deg_per_s,
-        });
-        let [u, v, w] = [self.u, self.v, self.w].map(|axis| SideLimits {
-            velocity: axis.velocity_mm_per_s,
-            acceleration: axis.acceleration_mm_per_s2,
-            jerk: axis.jerk_mm_per_s3,
-            velocity_jump: axis.velocity_jump_mm_per_s,
-        });
-        [a, b, c, u, v, w]
-    }
-}
-
-/// The limits of an axis that turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct RotaryLimits {
-    /// In degrees/s.
-    pub velocity_deg_per_s: Option<f64>,
-    /// In degrees/s².
-    pub acceleration_deg_per_s2: Option<f64>,
-    /// In degrees/s³.
-    pub jerk_deg_per_s3: Option<f64>,
-    /// Where its share of the path changes, in degrees/s.
-    pub velocity_jump_deg_per_s: Option<f64>,
-}
-
-/// The limits of a side axis, in its unit, degrees or mm, and seconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SideLimits {
-    /// The largest velocity.
-    pub velocity: Option<f64>,
-    /// The largest acceleration.
-    pub acceleration: Option<f64>,
-    /// The largest jerk.
-    pub jerk: Option<f64>,
-    /// The largest jump of the velocity where the axis' share of the path changes.
-    pub velocity_jump: Option<f64>,
-}
-
-/// The limits of one axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct AxisLimits {
-    /// In mm/s.
-    pub velocity_mm_per_s: Option<f64>,
-    /// In mm/s².
-    pub acceleration_mm_per_s2: Option<f64>,
-    /// In mm/s³.
-    pub jerk_mm_per_s3: Option<f64>,
-    /// At a break of the tangent, in mm/s.
-    pub velocity_jump_mm_per_s: Option<f64>,
-}
-
-impl RotaryLimits {
-    /// Each limit with its key.
-    fn by_keys(&mut self) -> Vec<(&'static Key, &mut Option<f64>)> {
-        vec![
-            (&ROTARY_VELOCITY, &mut self.velocity_deg_per_s),
-            (&ROTARY_ACCELERATION, &mut self.acceleration_deg_per_s2),
-            (&ROTARY_JERK, &mut self.jerk_deg_per_s3),
-            (&ROTARY_JUMP, &mut self.velocity_jump_deg_per_s),
-        ]
-    }
-}
-
-impl AxisLimits {
-    /// Each limit with its key.
-    fn by_keys(&mut self) -> Vec<(&'static Key, &mut Option<f64>)> {
-        vec![
-            (&AXIS_VELOCITY, &mut self.velocity_mm_per_s),
-            (&AXIS_ACCELERATION, &mut self.acceleration_mm_per_s2),
-            (&AXIS_JERK, &mut self.jerk_mm_per_s3),
-            (&VELOCITY_JUMP, &mut self.velocity_jump_mm_per_s),
-        ]
-    }
-}
-
 /// Reads a machine file: TOML with a table `[machine]`. The other tables of a curve file may stand beside it.
 ///
 /// # Errors
 /// Every fault of the text, each at its place.
 pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
     read_table(name, text, from_table)
-}
-
-/// A value of a machine's file that its control does not state: the key `assumed` names it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct AssumedValue {
-    /// The axis in whose table it is, in small letters.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub axis: Option<&'static str>,
-    /// Its key.
-    pub key: &'static str,
-    /// The value.
-    pub value: f64,
 }
 
 /// The limits that a machine's file states for motions, of those that it states at all.
@@ -473,71 +343,10 @@ fn junction(keys: &mut TableReader<'_, '_, '_>) -> Junction {
     if named == Some("velocity-jump") { Junction::VelocityJump } else { Junction::Stop }
 }
 
-/// The values that the key `assumed` of a table names.
-fn assumed(
-    keys: &mut TableReader<'_, '_, '_>,
-    axis: Option<&'static str>,
-    known: &[Key],
-) -> Vec<AssumedValue> {
-    let named = keys.named_numbers(&ASSUMED, known);
-    named.into_iter().map(|(key, value)| AssumedValue { axis, key, value }).collect()
-}
-
-/// The limits of axes, and what of them is assumed.
-fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> (Axes, Vec<AssumedValue>) {
-    let mut assumed = Vec::new();
-    let mut linear = |key| axis_from(report, (header, table), key, (&AXIS_KEYS, linear_limits), &mut assumed);
-    let [x, y, z, u, v, w] = ["x", "y", "z", "u", "v", "w"].map(&mut linear);
-    let mut rotary =
-        |key| axis_from(report, (header, table), key, (&ROTARY_KEYS, rotary_limits), &mut assumed);
-    let [a, b, c] = ["a", "b", "c"].map(&mut rotary);
-    let axes = Axes { x, y, z, a, b, c, u, v, w };
-    let mut keys = TableReader::new(report, "[machine.axes]", header, table);
-    for key in ["x", "y", "z", "a", "b", "c", "u", "v", "w"] {
-        keys.optional(key);
-    }
-    keys.finish();
-    (axes, assumed)
-}
-
-/// Reads the table of one axis, if there is one, and adds what of it is assumed.
-fn axis_from<L: Default>(
-    report: &mut Report<'_>,
-    (header, table): (Span, &DeTable<'_>),
-    key: &'static str,
-    (known, limits_of): (&[Key], fn(&mut TableReader<'_, '_, '_>) -> L),
-    of_axes: &mut Vec<AssumedValue>,
-) -> L {
-    let mut keys = TableReader::new(report, "[machine.axes]", header, table);
-    let Some((header, table)) = keys.table(key) else { return L::default() };
-    let mut keys = TableReader::new(report, format!("[machine.axes.{key}]"), header, table);
-    let limits = limits_of(&mut keys);
-    of_axes.extend(assumed(&mut keys, Some(key), known));
-    keys.finish();
-    limits
-}
-
-fn linear_limits(keys: &mut TableReader<'_, '_, '_>) -> AxisLimits {
-    AxisLimits {
-        velocity_mm_per_s: keys.optional_number(&AXIS_VELOCITY),
-        acceleration_mm_per_s2: keys.optional_number(&AXIS_ACCELERATION),
-        jerk_mm_per_s3: keys.optional_number(&AXIS_JERK),
-        velocity_jump_mm_per_s: keys.optional_number(&VELOCITY_JUMP),
-    }
-}
-
-fn rotary_limits(keys: &mut TableReader<'_, '_, '_>) -> RotaryLimits {
-    RotaryLimits {
-        velocity_deg_per_s: keys.optional_number(&ROTARY_VELOCITY),
-        acceleration_deg_per_s2: keys.optional_number(&ROTARY_ACCELERATION),
-        jerk_deg_per_s3: keys.optional_number(&ROTARY_JERK),
-        velocity_jump_deg_per_s: keys.optional_number(&ROTARY_JUMP),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::axis_limits::AxisLimits;
 
     const GOOD: &str = "[machine]
 interpolation_period_ms = 3.0
