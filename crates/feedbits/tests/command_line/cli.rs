@@ -1,21 +1,9 @@
 //! The command line, as a person or a script uses it.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
-use crate::command::{data, feedbits, feedbits_in};
+use crate::command::{data, feedbits, feedbits_in, folder, written};
 use crate::message::{text, unfolded};
-
-/// A folder of this test alone, removed at the end.
-fn folder() -> tempfile::TempDir {
-    tempfile::tempdir().expect("a temporary folder")
-}
-
-fn written(folder: &Path, name: &str, content: &str) -> String {
-    let path: PathBuf = folder.join(name);
-    fs::write(&path, content).expect("the folder is writable");
-    path.display().to_string()
-}
 
 #[test]
 fn without_arguments_the_built_in_example_is_compared() {
@@ -262,39 +250,6 @@ fn a_requirement_that_no_format_meets_is_exit_status_1() {
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stdout));
 }
 
-/// Bad input gives exit status 2, a message with the fault and its place, and no file.
-#[test]
-fn bad_input_is_explained() {
-    let folder = folder();
-    let good = fs::read_to_string(data("seed-000.toml")).expect("readable");
-    let cases = [
-        ("not a part at all \u{1F600}", vec![]),
-        (&good.replace("weights = [1, 1", "weights = [1, -1") as &str, vec!["weight"]),
-        (&good.replace("0.25, 0.5,", "0.5, 0.25,"), vec!["knot"]),
-        (&good.replace("feedrate_mm_per_s = 200.0", "feedrate_mm_per_s = 0.0"), vec!["feedrate_mm_per_s"]),
-        (
-            &good.replace("interpolation_period_ms = 3.0", "interpolation_period_ms = 0.0"),
-            vec!["interpolation_period_ms"],
-        ),
-        (&good.replace("jerk_mm_per_s3 = 400000.0", "jerk_mm_per_s3 = nan"), vec!["jerk_mm_per_s3"]),
-        (&good.replace("degree = 3", "degre = 3"), vec!["degre"]),
-        (&good.replace("[0, 300]", "[0, inf]"), vec!["control"]),
-    ];
-    for (index, (content, expected)) in cases.iter().enumerate() {
-        assert_ne!(*content, good, "case {index} changes something");
-        let part = written(folder.path(), &format!("case{index}.toml"), content);
-        let out = folder.path().join("out.csv").display().to_string();
-        let output = feedbits(&["interpolate", &part, "--machine", &part, "--out", &out]);
-        let message = unfolded(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "case {index}: {message}");
-        assert!(message.contains(&format!("case{index}.toml")), "case {index}: {message}");
-        for word in expected {
-            assert!(message.contains(word), "case {index}: {word} in {message}");
-        }
-        assert!(!Path::new(&out).exists(), "case {index} wrote a file");
-    }
-}
-
 /// `--fluctuation` once set only the fluctuation at which the solver stops; the verdict still used the machine file's.
 #[test]
 fn the_fluctuation_that_is_asked_for_is_the_one_that_is_judged() {
@@ -365,84 +320,6 @@ fn a_feedrate_that_nobody_commands_is_said() {
     }
     assert_eq!(unfolded(&feedbits(&["compare", "--formats", "f64", "--quiet"]).stderr), "");
     assert!(!unfolded(&feedbits(&["compare", "--formats", "f64"]).stderr).contains("no feedrate"));
-}
-
-#[test]
-fn bad_usage_is_explained() {
-    let machine = data("seed-003.nc");
-    for (arguments, word) in [
-        (vec!["compare", "no-such-file.toml"], "no-such-file.toml"),
-        (vec!["compare", machine.as_str()], "--machine"),
-        (vec!["compare", "--formats", "Q31"], "Q31"),
-        (vec!["compare", "--plan-in", "f16"], "f16"),
-        (vec!["compare", "--fluctuation", "2"], "--fluctuation"),
-        (vec!["interpolate", "--piece-length", "0"], "--piece-length"),
-        (vec!["interpolate", "--evaluate", "pieces", "--solver", "secant"], "de-boor"),
-        (vec!["interpolate", "--out", "no/such/folder/s.csv"], "no/such/folder/s.csv"),
-        (vec!["compare", "--formats", "I1F31"], "3 to 64 bits in all, at least 2 of them before the point"),
-        (vec!["compare", "--formats", "I64F64"], "3 to 64 bits in all"),
-        (
-            vec!["compare", "--piece-length", "-1"],
-            "'--piece-length <MM>': expected a number of 0.001 to 1e6 mm",
-        ),
-        (vec!["compare", "--start-feed", "-1"], "'--start-feed <MM_PER_S>': expected 0, or a number of"),
-        (
-            vec!["compare", "--fluctuation", "-0.001"],
-            "'--fluctuation <RATIO>': expected a ratio of 1e-16 to below 1",
-        ),
-        (vec!["compare", "--solver-tolerance", "0"], "'--solver-tolerance <RATIO>': expected a ratio"),
-        (vec!["plan", "--oversample", "3"], "--out"),
-        (vec!["plan", "--oversample", "3", "--out", "s.csv", "--json"], "--json"),
-        (vec!["plan", "--window", "-1"], "'--window <MM>': expected a number of 0.01 to 1e7 mm"),
-        (vec!["plan", "--oversample", "-1"], "expected a whole number of 1 to 1000 a period"),
-        (vec!["interpolate", "--override", "-1:50,2:100"], "the time -1: expected a number of 0 to 1e6 s"),
-        (
-            vec!["interpolate", "--override", "1:50,2:100", "--reserve", "-1"],
-            "'--reserve <PERCENT>': expected a number of 0.1 to 99 %",
-        ),
-        (
-            vec!["convert", "--to", "g1", "--tolerance", "-1"],
-            "'--tolerance <MM>': expected a number of 1e-9 to 100 mm",
-        ),
-        (vec!["convert", "--to", "g06.2", "--tolerance", "0.1"], "expected --to g1"),
-        (vec!["compare", "--multipliers", "4"], "--multipliers: no target is priced that has multipliers"),
-        (vec!["compare", "--targets", "cortex-m3", "--dividers", "1"], "--dividers: no target is priced"),
-        (vec!["compare", "--dialect", "-0.0"], "invalid value '-0.0' for '--dialect"),
-        (vec!["size", "--formats", "-1"], "unexpected argument '--formats'"),
-        (vec!["compare", "--formats", "-1"], "unknown format \"-1\""),
-        (vec!["plan", "--solver", "secant"], "unexpected argument '--solver'"),
-        (vec!["plan", "--piece-length", "8"], "unexpected argument '--piece-length'"),
-        (vec!["smooth", "--tolerance", "-1"], "'--tolerance <MM>': expected a number of 1e-9 to 100 mm"),
-        (vec!["servo", "--circle", "-1"], "'--circle <MM>': expected a number of 1e-6 to 1e5 mm"),
-        (vec!["size", "--evaluate", "de-boor"], "registers are sized for compiled pieces"),
-        (vec!["size", "--solver", "taylor-1"], "registers are sized for compiled pieces"),
-        (
-            vec!["interpolate", "--format", "f32", "--plan-in", "I4F28"],
-            "planning in I4F28: control point 0 does not fit",
-        ),
-    ] {
-        let output = feedbits(&arguments);
-        let message = unfolded(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-        assert!(message.contains(word), "{arguments:?}: {message}");
-    }
-}
-
-/// Over a millionth of its span this curve runs along two sides of its polygon. It was planned without these, 208 mm too short.
-#[test]
-fn a_length_that_the_planner_does_not_see_is_refused_at_its_curve() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let part = "[curve]\ndegree = 3\ncontrol_points_mm = [[150, 150], [0, 0], [0, 300], [150, 150], [300, 0], [300, 300], [150, 150]]\n\
-                weights = [1, 1e9, 1e-9, 1, 1e6, 1, 1]\nknots = [0, 0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1, 1]\n";
-    fs::write(folder.path().join("lost.toml"), part).expect("the folder is writable");
-    for command in ["plan", "compare", "interpolate", "size", "smooth --tolerance 0.01"] {
-        let words: Vec<&str> = command.split(' ').chain(["lost.toml", "--machine", "mill"]).collect();
-        let output = feedbits_in(folder.path(), &words);
-        let said = unfolded(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{command}: {said}");
-        assert!(said.contains("lost.toml") && said.contains("span 0 of curve 0 runs much faster"), "{said}");
-        assert!(output.stdout.is_empty(), "{command}");
-    }
 }
 
 /// The second curve of the run, behind a rapid move, was once refused in every format.
@@ -537,53 +414,6 @@ fn a_path_that_is_left_in_motion_has_a_good_format() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
 }
 
-/// Runs of more than 2^30 periods are refused at once, and the message has the numbers that make them so long. Each of these is within
-/// its domain.
-#[test]
-fn endless_runs_are_refused_before_they_begin() {
-    let folder = folder();
-    let good = fs::read_to_string(data("seed-000.toml")).expect("readable");
-    let short = good.replace("interpolation_period_ms = 3.0", "interpolation_period_ms = 1e-3");
-    for (from, key, words) in [
-        ("feedrate_mm_per_s = 200.0", "feedrate_mm_per_s = 0.001", "a feedrate of 0.001 mm/s"),
-        (
-            "acceleration_mm_per_s2 = 5000.0",
-            "acceleration_mm_per_s2 = 0.001",
-            "an acceleration of 0.001 mm/s²",
-        ),
-        (
-            "chord_error_mm = 0.0005",
-            "chord_error_mm = 1\ncentripetal_acceleration_mm_per_s2 = 0.001",
-            "a centripetal acceleration of 0.001 mm/s²",
-        ),
-    ] {
-        let changed = short.replace(from, key);
-        assert_ne!(changed, short, "{key}");
-        let machine = written(folder.path(), "m.toml", &changed);
-        for command in ["compare", "interpolate", "plan", "size"] {
-            let output = feedbits(&[command, "--machine", &machine]);
-            let message = unfolded(&output.stderr);
-            assert_eq!(output.status.code(), Some(2), "{command} {key}: {message}");
-            assert!(
-                message.contains(words)
-                    && message.contains("periods of 0.001 ms")
-                    && message.contains("at most 1073741824"),
-                "{command} {key}: {message}"
-            );
-        }
-    }
-    let slow = good.replace("feedrate_mm_per_s = 200.0", "feedrate_mm_per_s = 0.01");
-    let slow = written(folder.path(), "m.toml", &slow);
-    let message = unfolded(&feedbits(&["servo", "--machine", &slow]).stderr);
-    assert!(message.contains("at most 4194304 in `servo`"), "{message}");
-    for arguments in [["--circle", "1e5"], ["--feed", "1e-3"]] {
-        let output = feedbits(&[&["servo"], &arguments[..]].concat());
-        let message = unfolded(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-        assert!(message.contains(arguments[0]) && message.contains("at most 1048576 in all"), "{message}");
-    }
-}
-
 /// Notes are not results, warnings or errors.
 #[test]
 fn quiet_runs_say_nothing_beside_the_result() {
@@ -604,154 +434,6 @@ fn quiet_runs_say_nothing_beside_the_result() {
             (String::new(), said.status.code()),
             "{arguments:?}"
         );
-    }
-}
-
-/// Only what concerns the command: that the files run as Rust does is tested where they are written.
-#[test]
-fn a_part_is_compiled_to_c() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("part");
-    let compile = |arguments: &[&str]| {
-        let out = ["compile", "--language", "c", "--out", out.to_str().expect("a name")];
-        feedbits(&[&out[..], arguments].concat())
-    };
-    let files = || {
-        let names = fs::read_dir(folder.path()).expect("a folder").flatten().map(|file| file.file_name());
-        let mut names: Vec<_> = names.map(|name| name.to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    };
-    for (arguments, expected) in [
-        (vec!["--format", "I5F13"], "I5F13 is no type of C"),
-        (vec!["--format", "I4F28", "--flash", "5000"], "the tables take 7016 bytes, and --flash says 5000"),
-        (
-            vec!["--format", "I4F28", "--feed-override", "90"],
-            "'--feed-override <PERCENT>': expected a number of 100 to 200 %",
-        ),
-        (
-            vec!["--format", "I4F28", "--feed-override", "120", "--reserve", "0"],
-            "expected a number of 0.1 to 99 %",
-        ),
-        (vec!["--format", "f32", "--evaluate", "de-boor"], "a controller runs compiled pieces"),
-    ] {
-        let output = compile(&arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(unfolded(&output.stderr).contains(expected), "{}", unfolded(&output.stderr));
-        assert_eq!(files(), [""; 0], "nothing is written");
-    }
-    let output = compile(&["--format", "I4F28", "--flash", "7016"]);
-    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
-    assert_eq!(files(), ["part.c", "part.h"]);
-    let header = fs::read_to_string(out.with_extension("h")).expect("a header");
-    let rust = text(&feedbits(&["compile", "--format", "I4F28", "--quiet"]).stdout);
-    let checksum = rust.split("CHECKSUM: u64 = ").nth(1).and_then(|rest| rest.get(..18)).expect("a checksum");
-    assert!(header.contains(&format!("#define PART_CHECKSUM {checksum}ULL")), "{checksum}");
-
-    let elsewhere = |name: &str| {
-        let out = folder.path().join(name);
-        feedbits(&["compile", "--format", "f32", "--language", "c", "--out", out.to_str().expect("a name")])
-    };
-    for (name, expected) in [
-        ("part.c", "expected a name without an ending, as `part`"),
-        ("2nd", "\"2nd\" cannot begin names in C"),
-        ("no/part", "cannot write"),
-    ] {
-        let output = elsewhere(name);
-        assert_eq!(output.status.code(), Some(2), "{name}");
-        assert!(unfolded(&output.stderr).contains(expected), "{}", unfolded(&output.stderr));
-    }
-    let nowhere = feedbits(&["compile", "--format", "f32", "--language", "c"]);
-    assert!(unfolded(&nowhere.stderr).contains("give --out PATH"), "{}", unfolded(&nowhere.stderr));
-    let rust = feedbits(&["compile", "--format", "f32", "--feed-override", "120"]);
-    assert!(unfolded(&rust.stderr).contains("goes with --language c"), "{}", unfolded(&rust.stderr));
-}
-
-/// Only what concerns the command: that the core runs as Rust does is tested where it is made.
-#[test]
-fn a_part_is_compiled_to_a_core() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("step");
-    let compile = |arguments: &[&str]| {
-        let out = ["compile", "--language", "verilog", "--out", out.to_str().expect("a name")];
-        feedbits(&[&out[..], arguments].concat())
-    };
-    for (arguments, expected) in [
-        (vec!["--format", "f32"], "the core has no numbers of f32: expected fixed point of 16 to 32 bits"),
-        (vec!["--format", "I8F32"], "the core has no numbers of I8F32"),
-        (vec!["--format", "I4F28-floor"], "the core has no numbers of I4F28-floor"),
-        (vec!["--format", "I4F28", "--feed-override", "120"], "the core has no feed override and no hold"),
-        (vec!["--format", "I4F28", "--flash", "500"], "and --flash says 500: nothing is written"),
-    ] {
-        let output = compile(&arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(unfolded(&output.stderr).contains(expected), "{}", unfolded(&output.stderr));
-        assert!(!out.exists(), "{arguments:?}: nothing is written");
-    }
-    let nowhere = feedbits(&["compile", "--format", "I4F28", "--language", "verilog"]);
-    assert!(unfolded(&nowhere.stderr).contains("give --out FOLDER"), "{}", unfolded(&nowhere.stderr));
-    let output = compile(&["--format", "I4F28"]);
-    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
-    let read = |name: &str| fs::read_to_string(out.join(name)).expect("a file");
-    assert!(read("core.v").contains("module feedbits_core"));
-    assert!(read("testbench.v").contains("localparam PERIODS = 1621;"));
-    assert!([read("microcode.hex"), read("part.hex")].iter().all(|image| image.lines().count() > 1000));
-    let rust = text(&feedbits(&["compile", "--format", "I4F28", "--quiet"]).stdout);
-    let checksum = rust.split("CHECKSUM: u64 = ").nth(1).and_then(|rest| rest.get(..18)).expect("a checksum");
-    assert!(unfolded(&output.stderr).contains(checksum), "{checksum}: {}", unfolded(&output.stderr));
-}
-
-#[test]
-fn a_part_is_compiled_for_a_controller() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("part.rs");
-    let compile = |arguments: &[&str]| {
-        let out = ["--out", file.to_str().expect("a name")];
-        feedbits(&[&["compile"], arguments, &out].concat())
-    };
-    let output = compile(&["--format", "I4F28"]);
-    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
-    // The bound of a period, on the cores that have one for such a part.
-    let note = unfolded(&output.stderr);
-    for core in ["cortex-m0plus", "cortex-m3"] {
-        assert!(note.contains(&format!(" instructions a period on {core}, ")), "{note}");
-    }
-    assert_eq!(note.matches("(K = 5, J = 1, S = 1)").count(), 2, "{note}");
-    let source = fs::read_to_string(&file).expect("a file");
-    let setpoints = text(&feedbits(&["interpolate", "--format", "I4F28"]).stdout).lines().count() - 1;
-    assert!(source.contains(&format!("pub const PERIODS: usize = {setpoints};")), "{setpoints}");
-    assert!(source.starts_with("// built-in example at 200 mm/s, in I4F28: written by `feedbits compile`"));
-    assert_eq!(text(&feedbits(&["compile", "--format", "I4F28", "--quiet"]).stdout), source);
-
-    let coarse = compile(&["--format", "I4F12"]);
-    assert_eq!(coarse.status.code(), Some(1));
-    assert!(!unfolded(&coarse.stderr).contains("at most"), "no bound is known in I4F12");
-    assert!(
-        unfolded(&coarse.stderr).contains("I4F12 is not good enough: fluctuation"),
-        "{}",
-        unfolded(&coarse.stderr)
-    );
-    let before = fs::read_to_string(&file).expect("it is written all the same");
-    assert!(before.contains("real::fixed::types::I4F12"));
-    assert!(before.contains("// I4F12 is not good enough: fluctuation"), "{}", &before[..400]);
-
-    let odd = folder.path().join("a\u{202e}b\nc.toml");
-    fs::copy(data("seed-000.toml"), &odd).expect("a file");
-    let named = text(&feedbits(&["compile", odd.to_str().expect("a name"), "--format", "f64"]).stdout);
-    assert!(named.lines().next().is_some_and(|line| line.contains("a?b?c.toml at 200 mm/s")), "{named:.200}");
-
-    for (arguments, expected) in [
-        (vec!["--format", "I5F13"], "I5F13 is no type of a controller"),
-        (vec!["--format", "I1F31"], "unknown format \"I1F31\""),
-        (vec!["--format", "i5f27"], "unknown format \"i5f27\": did you mean `I5F27`?"),
-        (vec!["--format", "F32"], "unknown format \"F32\": did you mean `f32`?"),
-        (vec!["--format", "f32", "--evaluate", "de-boor"], "a controller runs compiled pieces"),
-        (vec!["--format", "f32", "--end-feed", "-1"], "'--end-feed <MM_PER_S>': expected 0, or a number of"),
-    ] {
-        let output = compile(&arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(unfolded(&output.stderr).contains(expected), "{}", unfolded(&output.stderr));
-        assert_eq!(fs::read_to_string(&file).expect("a file"), before, "what was there is kept");
     }
 }
 

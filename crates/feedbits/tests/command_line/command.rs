@@ -24,6 +24,18 @@ pub(crate) fn feedbits_in(folder: &Path, arguments: &[&str]) -> Output {
     command(arguments).current_dir(folder).output().expect("the program starts")
 }
 
+/// A folder of one test alone, removed at the end.
+pub(crate) fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+/// The path of a file with this content, written into a folder.
+pub(crate) fn written(folder: &Path, name: &str, content: &str) -> String {
+    let path = folder.join(name);
+    fs::write(&path, content).expect("the folder is writable");
+    path.display().to_string()
+}
+
 /// The path of a file under `data/`.
 pub(crate) fn data(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()

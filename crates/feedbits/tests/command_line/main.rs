@@ -7,6 +7,7 @@ mod small_part;
 mod baseline;
 mod check;
 mod cli;
+mod compile;
 mod convert;
 mod domains;
 #[cfg(unix)]
@@ -19,6 +20,7 @@ mod names;
 mod outputs;
 mod overrides;
 mod plan;
+mod refused;
 mod report;
 mod report_in_browser;
 mod servo;
