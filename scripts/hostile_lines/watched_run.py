@@ -334,7 +334,7 @@ class Started:
             return False
         passed = time.monotonic() - self.begun
         if not self.case.signal_when:
-            return passed > 0.4 * self.slow
+            return passed > 0.4
         self.was_awaited = self.was_awaited or self.case.signal_when(self.work)
         return self.was_awaited or passed > MOST_BEFORE_SIGNAL * self.slow
 
