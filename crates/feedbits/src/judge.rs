@@ -50,6 +50,11 @@ pub(crate) struct Arguments {
     /// How far the motion may be from the log's positions in each axis, in mm. Default: half of a unit of their last decimal.
     #[arg(long, value_name = "MM", value_parser = number(&RESOLUTION))]
     resolution: Option<f64>,
+    /// Judge the limits as `compare` and `interpolate` judge a run of ours: the motion may also be off the positions by half of the
+    /// fluctuation that the machine allows in a full step, or by half of its position_increment_mm, where the file states more than the
+    /// default. Default: only by what the log's decimals hide.
+    #[arg(long)]
+    as_run: bool,
     /// The axes stand before the first row and behind the last. Default: where the log shows it.
     #[arg(long)]
     from_rest: bool,
@@ -107,6 +112,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         unit: arguments.units,
         period_s: arguments.period.map(|period| 1e-3 * period),
         resolution_mm: arguments.resolution,
+        as_run: arguments.as_run,
         from_rest_to_rest: arguments.from_rest,
         traces: folder.is_some(),
     };

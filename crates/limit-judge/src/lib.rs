@@ -32,9 +32,11 @@
 //! ```
 
 mod differences;
+mod seen_within;
 mod stated_limit;
 mod worst;
 
 pub use differences::{Corner, Differences, LimitFinding, SPAN, Setpoint, WINDOWS, Way};
+pub use seen_within::seen_within_mm;
 pub use stated_limit::{Of, StatedLimit};
 pub use worst::{StepPlace, Worst, is_less};

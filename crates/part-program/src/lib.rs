@@ -94,7 +94,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use gcode::{KnownWord, WordUse, known_words};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, Joints, TANGENT_BREAK_RAD, is_joined};
-pub use machine::{Junction, Machine, StatedLimits, read_limits, read_machine};
+pub use machine::{Junction, Machine, StatedLimits, coarse_increment_mm, read_limits, read_machine};
 pub use moves::{Move, MoveKind, Shape};
 pub use options::{Dialect, ReadOptions, Unit};
 pub use part::{Filament, Part};

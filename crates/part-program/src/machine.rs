@@ -135,6 +135,13 @@ pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
     read_table(name, text, from_table)
 }
 
+/// What the drives resolve, in mm, where a machine states more than is taken otherwise.
+#[must_use]
+pub fn coarse_increment_mm(position_increment_mm: f64) -> Option<f64> {
+    let default = INCREMENT.default_number().unwrap_or(0.0);
+    (position_increment_mm > default).then_some(position_increment_mm)
+}
+
 /// The limits that a machine's file states for motions, of those that it states at all.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StatedLimits {
@@ -153,6 +160,12 @@ pub struct StatedLimits {
     pub junction: Junction,
     /// Limits of single axes.
     pub axes: Axes,
+    /// By what a run's feed may be off at cruise, as a share of it. It is no limit of the motion, and neither is the next.
+    #[serde(skip)]
+    pub fluctuation_limit: f64,
+    /// The least step that the drives resolve, in mm.
+    #[serde(skip)]
+    pub position_increment_mm: f64,
     /// The values that the file assumes. They are not among the limits above. The junction is: it cannot be assumed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub assumed: Vec<AssumedValue>,
@@ -260,11 +273,14 @@ fn limits_from_table(report: &mut Report<'_>, header: Span, table: &DeTable<'_>)
         centripetal_acceleration_mm_per_s2: keys.optional_number(&CENTRIPETAL),
         junction: Junction::Stop,
         axes: Axes::default(),
+        fluctuation_limit: 0.0,
+        position_increment_mm: 0.0,
         assumed: Vec::new(),
     };
-    for key in [&CHORD_ERROR, &INCREMENT, &FLUCTUATION_LIMIT, &PARAMETER_TOLERANCE] {
-        keys.number(key);
-    }
+    keys.number(&CHORD_ERROR);
+    limits.position_increment_mm = keys.number(&INCREMENT).unwrap_or_default();
+    limits.fluctuation_limit = keys.number(&FLUCTUATION_LIMIT).unwrap_or_default();
+    keys.number(&PARAMETER_TOLERANCE);
     keys.whole_number(&MAX_ITERATIONS);
     keys.truth_or(S_STOPS.name, true);
     limits.junction = junction(&mut keys);

@@ -2,7 +2,7 @@
 
 use domains::machine::DEVIATION;
 use limit_judge::{Differences, LimitFinding, Of, Setpoint, StepPlace, Way};
-use part_program::{Junction, StatedLimits};
+use part_program::{Junction, StatedLimits, coarse_increment_mm};
 
 use crate::along_path::AlongPath;
 use crate::findings::{Faults, JudgedLimit, Judgement, Standstills};
@@ -48,6 +48,8 @@ pub(crate) struct Judge<'p> {
     period_s: f64,
     feed_mm: f64,
     given_r_mm: Option<f64>,
+    /// What a run may be off as well, if it is judged as one: by fluctuation, and by what the drives resolve, in mm.
+    of_run_mm: Option<(f64, Option<f64>)>,
     from_rest_to_rest: bool,
     corners: Corners,
     junction: Junction,
@@ -112,6 +114,10 @@ impl Judge<'_> {
             period_s,
             feed_mm: feed_mm_per_s.map_or(f64::INFINITY, |feed| feed * period_s),
             given_r_mm: options.resolution_mm,
+            of_run_mm: options.as_run.then(|| {
+                let full_step_mm = feed_mm_per_s.unwrap_or(0.0) * period_s;
+                (machine.fluctuation_limit * full_step_mm, coarse_increment_mm(machine.position_increment_mm))
+            }),
             from_rest_to_rest: options.from_rest_to_rest,
             corners,
             junction,
@@ -137,6 +143,13 @@ impl Judge<'_> {
     /// How far the motion may be from the log's positions, of which this is half of a unit of the last decimal.
     pub(crate) fn resolution_mm(&self, of_log_mm: f64) -> f64 {
         self.given_r_mm.unwrap_or(of_log_mm).max(ROUNDED * self.largest_mm)
+    }
+
+    /// How far the motion may be from the log's positions where limits are judged.
+    fn seen_within_mm(&self, r_mm: f64) -> f64 {
+        self.of_run_mm.map_or(r_mm, |(fluctuation_mm, increment_mm)| {
+            limit_judge::seen_within_mm(r_mm, fluctuation_mm, increment_mm)
+        })
     }
 
     pub(crate) fn look_at(&mut self, row: &Row) {
@@ -202,7 +215,7 @@ impl Judge<'_> {
         // Nothing says where the next one begins, unless the axes are known to stand there.
         self.differences.break_off();
         if !at_rest {
-            self.along.end_section(false, r_mm * 3.0_f64.sqrt());
+            self.along.end_section(false, self.seen_within_mm(r_mm) * 3.0_f64.sqrt());
         }
         self.standing = None;
         if let Some(trace) = &mut self.trace {
@@ -258,7 +271,7 @@ impl Judge<'_> {
         let point = at.row.point_mm;
         let unseen_mm = std::mem::take(&mut self.unseen_mm);
         self.stretch_rows += 1;
-        let rho_mm = r_mm * 3.0_f64.sqrt();
+        let (rho_mm, seen_mm) = (r_mm * 3.0_f64.sqrt(), self.seen_within_mm(r_mm));
         let from = self.last_point.replace(point);
         self.step_mm = from.map_or(self.step_mm, |from| distance(&from, &point));
         let mut next = Setpoint {
@@ -291,11 +304,20 @@ impl Judge<'_> {
             let is_known = self.corners != Corners::Unknown;
             let at_corner_mm = if is_known && next.passes_corner { hides() } else { 0.0 };
             let period = next.at.index;
-            trace.add(TracePoint { period, time_s, point_mm, feed_mm, stands_before, r_mm, at_corner_mm });
+            trace.add(TracePoint {
+                period,
+                time_s,
+                point_mm,
+                feed_mm,
+                stands_before,
+                r_mm: seen_mm,
+                at_corner_mm,
+            });
         }
-        self.along.add(next.at, standing.is_some(), rho_mm, detour_mm);
+        let along_mm = seen_mm * 3.0_f64.sqrt();
+        self.along.add(next.at, standing.is_some(), along_mm, detour_mm);
         if ends_at_rest {
-            self.along.end_section(true, rho_mm);
+            self.along.end_section(true, along_mm);
         }
         self.differences.add(standing, Way::default(), next);
     }
@@ -340,13 +362,14 @@ impl Judge<'_> {
     pub(crate) fn finished(mut self, r_mm: f64) -> Judgement {
         let ends_at_rest = self.from_rest_to_rest || self.stand.is_some();
         self.end_section(ends_at_rest, r_mm);
-        let limits = self.verdicts(r_mm);
+        let seen_mm = self.seen_within_mm(r_mm);
+        let limits = self.verdicts(seen_mm);
         Judgement {
             limits,
             rows: self.rows,
             time_s: self.last_period as f64 * self.period_s,
             period_s: self.period_s,
-            resolution_mm: r_mm,
+            resolution_mm: seen_mm,
             at_rest: [self.begins_at_rest, ends_at_rest],
             not_judged: self.not_judged,
             doubled: self.doubled,

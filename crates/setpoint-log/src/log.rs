@@ -10,7 +10,7 @@ use crate::csv_log::CsvLog;
 use crate::findings::Judgement;
 use crate::judge::{Corners, Judge};
 use crate::log_error::LogError;
-use crate::log_period::period_of_times;
+use crate::log_period::{in_another_unit, period_of_times};
 use crate::machine_limits::clock_limits;
 use crate::motan_log::MotanLog;
 use crate::options::{Followed, LogOptions};
@@ -181,7 +181,11 @@ fn period_of(
     let stated = machine.interpolation_period_ms.map(|period| 1e-3 * period);
     let assumed = machine.assumed_value(None, PERIOD.name);
     if let Some(period_s) = period_of_times(rows, time_resolution_s, stated)? {
-        return Ok(period_s);
+        let of_machine = stated.or(assumed.map(|period| 1e-3 * period));
+        return match of_machine.and_then(|of_machine| in_another_unit(rows, period_s, of_machine)) {
+            Some(error) => Err(error),
+            None => Ok(period_s),
+        };
     }
     stated.ok_or_else(|| {
         let more = assumed.map_or(String::new(), |ms| format!("; {ms} ms is assumed"));

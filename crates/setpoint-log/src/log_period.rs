@@ -15,6 +15,8 @@ const PERIODS_S: std::ops::RangeInclusive<f64> = 1e-6..=1.0;
 pub(crate) const PAUSE: f64 = 2.5;
 /// The share of a period by which times may be uneven, beside their rounding.
 pub(crate) const UNEVEN: f64 = 0.05;
+/// Times whose period is off that of the machine by a ratio of units, and by this much at most, are taken for those of the other unit.
+const NEAR: f64 = 4.0;
 /// How well the times must tell the period, as a share of it.
 const TOLD: f64 = 0.01;
 
@@ -73,6 +75,25 @@ pub(crate) fn period_of_times(
         return Err(LogError { expected: expected.into(), ..at(&rows[1], said) });
     }
     Ok(Some(period_s))
+}
+
+/// The error of times that seem to be in another unit: by them the period is about a thousand times that of the machine, or a thousandth.
+pub(crate) fn in_another_unit(rows: &VecDeque<Row>, period_s: f64, of_machine_s: f64) -> Option<LogError> {
+    let ratio = period_s / of_machine_s;
+    let is_near = |unit: f64| (1.0 / NEAR..=NEAR).contains(&(ratio / unit));
+    let (unit, name) = match () {
+        () if is_near(1e3) => ("ms", "time_ms"),
+        () if is_near(1e-3) => ("s", "time"),
+        () => return None,
+    };
+    let [own, of_machine] = [period_s, of_machine_s].map(|period| (1e9 * period).round() / 1e6);
+    let said = format!(
+        "by its times the log has a setpoint every {own} ms, and the machine one every {of_machine} ms: the times seem to be in {unit}"
+    );
+    let expected =
+        format!("the name `{name}` for their column, or --period with the time between two rows in ms");
+    let row = rows.get(1)?;
+    Some(LogError::at(row.text_line, row.time_column, said, expected))
 }
 
 /// Whether times are whole numbers of a period apart within `within_s`, most of them one.

@@ -16,6 +16,9 @@ pub struct LogOptions {
     pub period_s: Option<f64>,
     /// How far the motion may be from the positions in each axis, in mm; `None` for half of a unit of their last decimal.
     pub resolution_mm: Option<f64>,
+    /// Whether the motion may also be off the positions by what `compare` lets a run be: half of the fluctuation that the machine allows in
+    /// a full step, or half of what its drives resolve.
+    pub as_run: bool,
     /// Whether the axes stand before the first row and behind the last. Else they do where the log shows it.
     pub from_rest_to_rest: bool,
     /// Whether to keep the columns that pictures are drawn from: [`Judgement::trace`](crate::Judgement::trace).

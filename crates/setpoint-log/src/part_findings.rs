@@ -117,7 +117,7 @@ impl PartFindings {
     pub(crate) fn faults(&self) -> Vec<String> {
         if self.is_another() {
             let unit = self.unit_ratio.map_or(String::new(), |ratio| {
-                format!("; its size is that of the part times {ratio}, as of another unit")
+                format!("; its size is that of the part times {ratio}, as of another unit: --units says that of the log, --part-units that of the part")
             });
             return vec![format!(
                 "the log is of another part: {:.0} % of its setpoints are far from the path, up to {:.3} mm; of {:.3} mm of path it never visits {:.3} mm, and it ends in line {}{unit}",

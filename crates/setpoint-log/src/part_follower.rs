@@ -177,7 +177,7 @@ impl<'p> PartFollower<'p> {
             &mut self.rapid_off
         };
         let off_mm = way.off_2.sqrt();
-        let far_mm = (FAR * self.path.extent_mm).max(10.0 * FLAT_MM);
+        let far_mm = (FAR * self.path.extents_mm[0]).max(10.0 * FLAT_MM);
         let is_worse = |known: &Off, mm: f64| mm > known.mm || known.at.is_none();
         if off_mm <= far_mm && !is_worse(&*known, off_mm + FLAT_MM) {
             return;
@@ -325,8 +325,9 @@ impl<'p> PartFollower<'p> {
     /// The ratio of two units, if that is what log and part differ by in size.
     fn unit_ratio(&self) -> Option<f64> {
         let [least, most] = &self.box_mm;
-        let ratio = distance(least, most) / self.path.extent_mm;
-        [25.4, 1.0 / 25.4, 1000.0, 1e-3].into_iter().find(|unit| (ratio / unit - 1.0).abs() < 0.02)
+        let ratios = self.path.extents_mm.map(|extent_mm| distance(least, most) / extent_mm);
+        let is_of = |unit: &f64| ratios.iter().any(|ratio| (ratio / unit - 1.0).abs() < 0.02);
+        [25.4, 1.0 / 25.4, 1000.0, 1e-3].into_iter().find(is_of)
     }
 }
 

@@ -49,8 +49,8 @@ pub(crate) struct PartPath {
     pub(crate) moves: Vec<PathMove>,
     /// The length of the path up to each vertex, in mm.
     pub(crate) so_far_mm: Vec<f64>,
-    /// The diagonal of the box around it, in mm.
-    pub(crate) extent_mm: f64,
+    /// The diagonals of the boxes around it and around what lies behind its begin, which a log in another unit has elsewhere, in mm.
+    pub(crate) extents_mm: [f64; 2],
     /// How far the part lets a control go from its path.
     pub(crate) tolerances: Tolerances,
     /// The corners: their vertices, and by how much each component of the unit tangent changes there.
@@ -70,7 +70,7 @@ impl PartPath {
             segments: Vec::new(),
             moves: Vec::new(),
             so_far_mm: Vec::new(),
-            extent_mm: 0.0,
+            extents_mm: [0.0; 2],
             tolerances: Tolerances::new(&part.tolerances),
             corners: Vec::new(),
             arriving: [0.0; 3],
@@ -95,8 +95,8 @@ impl PartPath {
             }
         }
         path.find_alike();
-        let ends = |axis: usize| {
-            let all = || path.vertices.iter().map(|vertex| vertex[axis]);
+        let ends = |axis: usize, from: usize| {
+            let all = || path.vertices.iter().skip(from).map(|vertex| vertex[axis]);
             all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
         };
         let mut so_far = 0.0;
@@ -108,7 +108,7 @@ impl PartPath {
                 so_far
             })
             .collect();
-        path.extent_mm = (0..3).map(|axis| ends(axis).powi(2)).sum::<f64>().sqrt();
+        path.extents_mm = [0, 1].map(|from| (0..3).map(|axis| ends(axis, from).powi(2)).sum::<f64>().sqrt());
         Ok(path)
     }
 

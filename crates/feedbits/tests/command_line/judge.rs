@@ -48,6 +48,88 @@ fn a_log_of_our_own_is_judged_as_its_run_is() {
     }
 }
 
+/// From a line into an arc and back an axis takes more than its jerk, by less than the fluctuation that its machine allows makes:
+/// `interpolate` called such runs good, and `judge` broken.
+#[test]
+fn a_run_that_is_good_within_what_its_machine_allows_is_judged_as_a_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    write("m.toml", OF_A_RUN);
+    write("p.nc", "G21 G90 G1 X0 Y0 F6000\nG1 X10\nG2 X20 Y-10 R10\nG1 Y-20\n");
+    for (format, is_good) in [("f64", true), ("f32", true), ("I8F24", true), ("I12F20", false)] {
+        let words = ["interpolate", "p.nc", "--machine", "m.toml", "--format", format, "--out", "log.csv"];
+        let run = feedbits_in(folder.path(), &words);
+        let status = Some(i32::from(!is_good));
+        assert_eq!(run.status.code(), status, "{format}: {}", unfolded(&run.stderr));
+        let judged = |more: &[&str]| {
+            let words = ["judge", "log.csv", "--machine", "m.toml", "--part", "p.nc", "--json"];
+            let output = feedbits_in(folder.path(), &[&words, more].concat());
+            (output.status.code(), json(&output)["faults"].to_string())
+        };
+        let (alone, faults) = judged(&[]);
+        assert!(alone == Some(1) && faults.contains("jerk of X is broken"), "{format}: {faults}");
+        let (as_run, faults) = judged(&["--as-run"]);
+        assert_eq!(as_run, status, "{format}: {faults}");
+    }
+}
+
+/// Moves that motan has kept, sampled at the period that the machine's file assumes: one of them takes twice the velocity of X.
+#[test]
+fn moves_of_motan_are_judged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    let machine = |velocity: f64| {
+        format!(
+            "[machine]\ninterpolation_period_ms = 1.0\nassumed = [\"interpolation_period_ms\"]\n[machine.axes.x]\n\
+             velocity_mm_per_s = {velocity:?}\nacceleration_mm_per_s2 = 3000.0\n"
+        )
+    };
+    let moves = "[[4.0,0.01,0.0,3000.0,[1.0,2.0,0.0],[1.0,0.0,0.0]],[4.01,0.01,30.0,0.0,[1.15,2.0,0.0],[1.0,0.0,0.0]],\
+                 [4.02,0.01,30.0,-3000.0,[1.45,2.0,0.0],[1.0,0.0,0.0]]]";
+    write("log", &format!("{{\"q\":\"trapq:toolhead\",\"params\":{{\"data\":{moves}}}}}\u{3}"));
+    for (velocity, status, faults) in
+        [(30.0, 0, serde_json::json!([])), (15.0, 1, serde_json::json!(["velocity of X is broken"]))]
+    {
+        write("m.toml", &machine(velocity));
+        let output = feedbits_in(folder.path(), &["judge", "log", "--machine", "m.toml", "--json"]);
+        assert_eq!(output.status.code(), Some(status), "{}", unfolded(&output.stderr));
+        let found = json(&output);
+        assert_eq!(found["faults"], faults);
+        assert_eq!(found["period_s"].as_f64(), Some(1e-3));
+    }
+}
+
+/// A log that is read in the wrong unit, of a part that the tool comes to from elsewhere, as one whose approach is left out.
+#[test]
+fn a_log_in_the_wrong_unit_says_which_option_helps() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    write("p.nc", "G21 G90 F1200\nG0 X50 Y50\nG1 X90\n");
+    let rows = log_of_x(0.0);
+    let shifted: String = rows.lines().skip(1).fold(String::from("time,x,y\n"), |text, row| {
+        let mut words = row.split(',');
+        let mut next = || words.next().and_then(|word| word.parse::<f64>().ok()).unwrap_or(0.0);
+        let (time, x) = (next(), next());
+        text + &format!("{time:.3},{:.6},{:.6}\n", 50.0 + x, 50.0)
+    });
+    write("log.csv", &shifted);
+    let output = feedbits_in(
+        folder.path(),
+        &["judge", "log.csv", "--machine", "mill", "--period", "1", "--part", "p.nc", "--units", "inch"],
+    );
+    let said = unfolded(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains(
+            "its size is that of the part times 25.4, as of another unit: --units says that of the log"
+        ),
+        "{said}"
+    );
+}
+
+const OF_A_RUN: &str = "[machine]\ninterpolation_period_ms = 1.0\nfeedrate_mm_per_s = 100.0\nacceleration_mm_per_s2 = 1000.0\n\
+     jerk_mm_per_s3 = 10000.0\n[machine.axes.x]\njerk_mm_per_s3 = 10000.0\n";
+
 #[test]
 fn a_log_comes_from_the_standard_input() {
     let mut child = command(&["judge", "-", "--machine", "mill", "--columns", "x=0,y=1", "--period", "1"])

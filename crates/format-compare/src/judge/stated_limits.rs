@@ -1,7 +1,7 @@
 //! The limits that a machine states for motions, and how closely setpoints show whether they are kept.
 
 use limit_judge::{Of, StatedLimit};
-use part_program::Junction;
+use part_program::{Junction, coarse_increment_mm};
 
 use crate::problem::problem::Problem;
 use crate::run::run::AboutRun;
@@ -30,7 +30,7 @@ pub(crate) fn stated_limits<const D: usize>(problem: &Problem<D>, share: f64) ->
 /// full step; or half of what the drives resolve where a machine states more than is taken otherwise.
 pub(crate) fn seen_within_mm<const D: usize>(run: &AboutRun, problem: &Problem<D>) -> f64 {
     let machine = &problem.machine;
-    let own = 0.5 * (run.resolution_mm + machine.fluctuation_limit * problem.full_step_mm());
-    let stated = machine.position_increment_mm > domains::machine::INCREMENT.default_number().unwrap_or(0.0);
-    if stated { own.max(0.5 * machine.position_increment_mm) } else { own }
+    let fluctuation_mm = machine.fluctuation_limit * problem.full_step_mm();
+    let increment_mm = coarse_increment_mm(machine.position_increment_mm);
+    limit_judge::seen_within_mm(0.5 * run.resolution_mm, fluctuation_mm, increment_mm)
 }

@@ -2,8 +2,10 @@
 
 use std::fmt::Write;
 
-use setpoint_log::{JudgedLimit, LimitVerdict, ToleranceVerdict};
+use part_program::read_part;
+use setpoint_log::{Followed, JudgedLimit, LimitVerdict, Log, LogOptions, ToleranceVerdict};
 
+use crate::motion::machine as limits_of;
 use crate::motion::{CIRCLE, CORNER, MACHINE, Motion, SOUND, circle, judged, without_jerk};
 
 /// Over the corner of [`CORNER`] at an even velocity, in mm/s, from 5 mm before it to 5 mm behind it.
@@ -52,6 +54,32 @@ fn a_corner_is_judged_within_the_deviation_where_the_part_has_it() {
     // A control that stops at corners has no excuse.
     let found = limit(&over_corner(9.0), &without_jerk(), true, "acceleration of X");
     assert_eq!(found.verdict, LimitVerdict::Broken);
+}
+
+/// A run may be off by half of what drives resolve and by half of the fluctuation that is allowed: what `interpolate` calls good was broken.
+#[test]
+fn a_run_is_judged_within_what_its_machine_lets_it_be_off() {
+    let rule = "junction = \"deviation\"\njunction_deviation_mm = 0.01";
+    let verdict = |velocity: f64, more: &str, as_run: bool| {
+        let machine = limits_of(&machine(&format!("{rule}\n{more}"), ""));
+        let options = LogOptions { as_run, ..LogOptions::default() };
+        let part = read_part("part.nc", &format!("G1 X0 Y0 F3000\n{CORNER}")).unwrap();
+        let log = over_corner(velocity);
+        let log = Log::begin(log.as_bytes(), &machine, &options).unwrap();
+        let found = log.judge(Some(Followed { part: &part, tolerance_mm: None })).unwrap();
+        let limit = found.limits.iter().find(|limit| limit.what == "acceleration of X").unwrap();
+        (limit.verdict, limit.taken, found.resolution_mm)
+    };
+    // 12 mm/s takes 1.41 at 0.01 mm, 0.94 at 0.015 and 0.71 at 0.02. The feed of the part makes a step of 0.05 mm.
+    for (more, r_mm) in [("position_increment_mm = 0.02", 0.01), ("fluctuation_limit = 0.2", 0.005)] {
+        assert_eq!(verdict(12.0, more, false).0, LimitVerdict::Broken, "{more}");
+        let (found, taken, resolution_mm) = verdict(12.0, more, true);
+        assert_eq!(found, LimitVerdict::KeptWithin, "{more}: {taken}");
+        assert!((resolution_mm / r_mm - 1.0).abs() < 1e-3, "{more}: {resolution_mm}");
+    }
+    // Beyond that it is broken, and what a machine's file leaves out hides nothing to speak of.
+    assert_eq!(verdict(18.0, "position_increment_mm = 0.02", true).0, LimitVerdict::Broken);
+    assert_eq!(verdict(12.0, "", true).0, LimitVerdict::Broken);
 }
 
 /// The same change of velocity where the part has no corner is broken. Without a part the log does not say so: short moves to and fro

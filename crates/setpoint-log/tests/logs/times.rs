@@ -44,6 +44,24 @@ fn times_that_tell_no_period_are_refused_with_their_place() {
     }
 }
 
+/// A log every 1000 ms of a machine whose period is 1 ms was judged, and kept every limit.
+#[test]
+fn times_in_another_unit_are_told_by_the_period_of_the_machine() {
+    for (name, per_period, seems, other) in
+        [("time", 1.0, "ms", "time_ms"), ("time", 0.5, "ms", "time_ms"), ("time_ms", 1e-3, "s", "time")]
+    {
+        let text = log(6, |index| per_period * index as f64).replacen("time", name, 1);
+        let said = judged(&text, None).map(|_| ()).unwrap_err().to_string();
+        let expected = format!("the times seem to be in {seems}: expected the name `{other}`");
+        assert!(said.contains(&expected) && said.starts_with("line 3, column 1: "), "{said}");
+        let told = judged(&text.replacen(name, other, 1), None).unwrap();
+        assert_eq!(
+            (1e6 * told.period_s).round(),
+            if per_period < 1.0 && seems == "ms" { 500.0 } else { 1000.0 }
+        );
+    }
+}
+
 /// Steps of 1.5 and 0.5 ms, and times that are off by up to 0.3 ms: refused, and no row is missing where the period is given.
 #[test]
 fn uneven_times_are_no_missing_rows() {
