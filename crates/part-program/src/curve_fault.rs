@@ -55,21 +55,21 @@ pub enum CurveFault {
         /// The number given.
         found: usize,
     },
-    /// A coordinate is not a number, infinite, or beyond [`MAX_COORDINATE_MM`].
+    /// A coordinate is not a number, infinite, or beyond [`MAX_COORDINATE_MM`](crate::MAX_COORDINATE_MM).
     CoordinateOutOfRange {
         /// The control point.
         index: usize,
         /// Its coordinate.
         value: f64,
     },
-    /// A weight is not positive, not a number, or beyond [`MAX_WEIGHT`].
+    /// A weight is not positive, not a number, or beyond [`MAX_WEIGHT`](crate::MAX_WEIGHT).
     WeightOutOfRange {
         /// The weight.
         index: usize,
         /// Its value.
         value: f64,
     },
-    /// A knot is not a number, infinite, or beyond [`MAX_KNOT`].
+    /// A knot is not a number, infinite, or beyond [`MAX_KNOT`](crate::MAX_KNOT).
     KnotOutOfRange {
         /// The knot.
         index: usize,
