@@ -95,7 +95,8 @@ fn moves_of_motan_are_judged() {
         assert_eq!(output.status.code(), Some(status), "{}", unfolded(&output.stderr));
         let found = json(&output);
         assert_eq!(found["faults"], faults);
-        assert_eq!(found["period_s"].as_f64(), Some(1e-3));
+        // Each setpoint's time is a sum of the moves' times.
+        assert!((found["period_s"].as_f64().unwrap() - 1e-3).abs() < 1e-12, "{}", found["period_s"]);
     }
 }
 
