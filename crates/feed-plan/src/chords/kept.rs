@@ -119,13 +119,15 @@ impl<R: Real> Repaired<R> {
         sections.map(|((section, one), longest)| section.duration() * (R::one() + one.excess) > *longest)
     }
 
-    /// What each section is planned again for. After some trials, what cannot be planned again is left to its judge.
+    /// The reason for which each section is planned again in this trial. A section that the last of these trials does not cure stays as it
+    /// is, and the judge of the run tells it.
     fn tries(&self, trial: usize, by_strain: bool) -> Vec<Again> {
         let sections = self.followed.iter().zip(self.too_long()).zip(&self.in_vain);
         sections.map(|((one, too_long), in_vain)| one.tries(trial, by_strain, too_long && !in_vain)).collect()
     }
 
-    /// The plan with sections as they were planned again, and others slowed down, and which sections that changes; `None` if none.
+    /// The plan in which `again` replaces the sections that were planned again, and others are slowed down; and which sections differ from
+    /// those found so far. `None` if no section differs.
     fn next(&self, again: Option<ScheduleBuf<R>>, tries: &[Again]) -> Option<(ScheduleBuf<R>, Vec<bool>)> {
         let again = again.filter(|again| sections(again.stages()).count() == tries.len());
         // No section that is to be planned again is slowed down in the same trial.
@@ -134,7 +136,11 @@ impl<R: Real> Repaired<R> {
             if too_long || *is_again { R::zero() } else { one.excess }
         };
         let shares: Vec<_> = self.followed.iter().zip(self.too_long()).zip(&is_again).map(share).collect();
-        let others = slowed(&self.found, &shares).unwrap_or_else(|| self.found.clone());
+        let slower = slowed(&self.found, &shares);
+        if slower.is_none() && again.is_none() {
+            return None;
+        }
+        let others = slower.unwrap_or_else(|| self.found.clone());
         let next = match &again {
             Some(again) => spliced(&others, wanted(again, &is_again), &is_again),
             None => others,
@@ -144,7 +150,7 @@ impl<R: Real> Repaired<R> {
         changed.contains(&true).then_some((next, changed))
     }
 
-    /// Takes of the next plan the sections that are `taken` of those that are `changed`, whose chords and findings these are.
+    /// Replaces the sections that are `taken` by those of the next plan. `chords` and `followed` hold the `changed` sections alone.
     fn take(
         &mut self,
         next: &ScheduleBuf<R>,
@@ -231,7 +237,7 @@ impl<R: Real> Followed<R> {
     }
 }
 
-/// The ways over which sections are passed too fast, and those over which their arcs take too much, of the sections that count.
+/// The ways of the sections for which `counts` is true: those that are passed too fast, and those over which the arcs take too much.
 fn ways<R: Real>(
     followed: &[Followed<R>],
     tries: &[Again],
@@ -241,7 +247,8 @@ fn ways<R: Real>(
     of.flat_map(|(_, (one, again))| one.too_fast.iter().chain(one.strained_ways(*again))).copied().collect()
 }
 
-/// Whether each section is to be what it was changed to. `followed` are all sections before, and after that those that are changed.
+/// Whether each section is replaced by its changed form. `followed` has the findings of all sections before the change, and `followed_again`
+/// those of the changed sections.
 fn helped<R: Real>(
     [before, after]: [&ScheduleBuf<R>; 2],
     [followed, followed_again]: [&[Followed<R>]; 2],
@@ -258,7 +265,7 @@ fn helped<R: Real>(
     taken
 }
 
-/// Whether a section that was planned again at lower feeds is to be so: if that costs little, or what its arcs take too much falls by a
+/// Whether a section is replaced by its plan at lower feeds: if that takes little more time, or what its arcs take too much falls by a
 /// quarter. What lower feeds do not cure would make each plan many times longer than the one before.
 fn is_worth_it<R: Real>([before, after]: [R; 2], [taken, takes]: [R; 2]) -> bool {
     takes <= taken + taken.ldexp(LITTLE) || after < before - before.ldexp(-2)
