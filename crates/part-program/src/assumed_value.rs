@@ -1,4 +1,4 @@
-//! What a machine's file says of a control that does not say it itself.
+//! Values of a machine's file that its control does not state: the file lists them under the key `assumed`.
 
 use domains::Key;
 use domains::machine::ASSUMED;

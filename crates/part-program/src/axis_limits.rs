@@ -130,7 +130,7 @@ impl AxisLimits {
     }
 }
 
-/// The limits of axes, and what of them is assumed.
+/// The limits of axes, and their assumed values.
 pub(crate) fn axes_from(
     report: &mut Report<'_>,
     header: Span,
@@ -151,7 +151,7 @@ pub(crate) fn axes_from(
     (axes, assumed)
 }
 
-/// Reads the table of one axis, if there is one, and adds what of it is assumed.
+/// Reads the table of one axis, if there is one, and adds its assumed values to `of_axes`.
 fn axis_from<L: Default>(
     report: &mut Report<'_>,
     (header, table): (Span, &DeTable<'_>),

@@ -135,7 +135,7 @@ pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
     read_table(name, text, from_table)
 }
 
-/// What the drives resolve, in mm, where a machine states more than is taken otherwise.
+/// The increment of the drives, in mm, if the machine states a coarser one than the default; else `None`.
 #[must_use]
 pub fn coarse_increment_mm(position_increment_mm: f64) -> Option<f64> {
     let default = INCREMENT.default_number().unwrap_or(0.0);
@@ -160,7 +160,7 @@ pub struct StatedLimits {
     pub junction: Junction,
     /// Limits of single axes.
     pub axes: Axes,
-    /// By what a run's feed may be off at cruise, as a share of it. It is no limit of the motion, and neither is the next.
+    /// By which share a run's feed may be off at cruise. Neither this nor the next value is a limit of the motion.
     #[serde(skip)]
     pub fluctuation_limit: f64,
     /// The least step that the drives resolve, in mm.

@@ -290,7 +290,7 @@ impl AlongPath {
     }
 }
 
-/// A difference of sums of chords, and what is hidden of it.
+/// A difference of sums of chords, and by how much the true difference may be smaller or larger.
 #[derive(Clone, Copy, Debug)]
 struct Difference {
     mm: f64,

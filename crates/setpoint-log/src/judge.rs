@@ -48,7 +48,7 @@ pub(crate) struct Judge<'p> {
     period_s: f64,
     feed_mm: f64,
     given_r_mm: Option<f64>,
-    /// What a run may be off as well, if it is judged as one: by fluctuation, and by what the drives resolve, in mm.
+    /// If the log is judged as a run of ours: the fluctuation of a full step, and the increment of the drives, both in mm.
     of_run_mm: Option<(f64, Option<f64>)>,
     from_rest_to_rest: bool,
     corners: Corners,

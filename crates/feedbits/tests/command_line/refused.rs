@@ -1,4 +1,4 @@
-//! What is refused, with its place and what was expected.
+//! Input and options that the command refuses: a message names the place and what was expected.
 
 use std::fs;
 use std::path::Path;
