@@ -224,7 +224,7 @@ impl<R: Real> Parts<'_, R> {
 #[cfg(test)]
 mod tests {
     use crate::plan::look_ahead::stages;
-    use crate::test_paths::{hashed, limit_through, paper_limits, polyline};
+    use crate::test_paths::{hashed, limit_through, paper_limits, polyline, seed_003};
     use crate::{AxisLimits, EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, least_duration};
     use nurbs_core::NurbsBuf;
 
@@ -257,6 +257,25 @@ mod tests {
                 [ProfileKind::Fastest, ProfileKind::SCurve].map(|kind| duration(&limit, &limits, kind));
             assert!(fast < 1.02 * bound && fast < curves, "J {jerk}: {fast}, bound {bound}");
         }
+    }
+
+    /// An acceleration that the jerk has in less than the shortest piece was taken for none: no arc fitted, each was tried again from the
+    /// first on, and after half a minute the plan was one of S-curves.
+    #[test]
+    fn an_acceleration_that_is_there_at_once_is_used() {
+        let slow = AxisLimits { acceleration: Some(1e-5), ..AxisLimits::default() };
+        let limits = KinematicLimits { axes: [AxisLimits::default(), slow, slow], ..paper_limits() };
+        let limit = FeedLimit::along(&[seed_003().as_curve()], &limits).unwrap();
+        let plan = |kind| stages(&limit, &limits, EndFeeds::default(), None, kind).unwrap();
+        let [fast, curves] = [ProfileKind::Fastest, ProfileKind::SCurve].map(plan);
+        let [fast_time, curves_time] =
+            [&fast, &curves].map(|stages| stages.iter().map(|stage| stage.duration).sum::<f64>());
+        assert!(
+            fast_time <= curves_time && 2 * fast.len() < curves.len(),
+            "{fast_time} {curves_time} {} {}",
+            fast.len(),
+            curves.len()
+        );
     }
 
     /// Distances from the path's begin were too coarse for the caps of a path of some metres.

@@ -14,6 +14,8 @@ use crate::plan::fastest::valleys::{Carrier, valleys};
 
 /// States on a cap that the motion may pass.
 const ON_CAP: i32 = 8;
+/// A state hardly has an acceleration that is less than 2⁻⁴ of the limit.
+const HARDLY_ANY: i32 = -4;
 
 /// The states along the profile between the first and the last node, the first with the
 /// acceleration `start`, the last without.
@@ -83,14 +85,15 @@ fn add_cap<R: Real>(states: &mut Vec<State<R>>, fixed: &mut usize, cap: &Cap<R>,
 }
 
 /// The states with their times, and the limit points before them from `cell` on: those that are further apart than the shortest arc,
-/// and without acceleration where it is that for less. The first and the last stay.
+/// and without acceleration where it is that for less, or hardly has any. The first and the last stay.
 pub(crate) fn timed<R: Real>(
     mut states: Vec<State<R>>,
     mut cell: usize,
     bounds: &Bounds<R>,
 ) -> Option<Vec<Point<R>>> {
     let mut points: Vec<Point<R>> = Vec::with_capacity(states.len());
-    let (gap, level) = (bounds.gap(), bounds.gap() * bounds.jerk);
+    let gap = bounds.gap();
+    let level = (gap * bounds.jerk).min(bounds.acceleration.ldexp(HARDLY_ANY));
     let squares = &bounds.squares;
     let last = states.len().checked_sub(1)?;
     for (k, state) in states.iter_mut().enumerate() {
