@@ -31,7 +31,7 @@ fn masked(text: &str) -> String {
     shown + rest
 }
 
-/// Numbers with a point or of four digits and more become as many `#`, but for those in names, as F4000.
+/// Numbers with a point, of four digits and more, or of times (108×) become as many `#`, but for those in names, as F4000.
 fn without_figures(text: &str) -> String {
     let mut shown = String::new();
     let mut rest = text;
@@ -40,7 +40,8 @@ fn without_figures(text: &str) -> String {
         let after = from.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
         let number = from[..from.len() - after.len()].trim_end_matches('.');
         let is_in_a_name = before.ends_with(|c: char| c.is_alphanumeric() || c == '_');
-        let is_figure = !is_in_a_name && (number.contains('.') || number.len() > 3);
+        let is_long = number.contains('.') || number.len() > 3 || from[number.len()..].starts_with('×');
+        let is_figure = !is_in_a_name && is_long;
         shown += before;
         shown += &if is_figure { "#".repeat(number.len()) } else { number.to_string() };
         rest = &from[number.len()..];
@@ -93,9 +94,10 @@ fn shows_words(arguments: &[&str], expected: &ExpectFile) {
     expected.assert_eq(&without_figures(&masked(&printed(arguments).0)));
 }
 
+/// README shows the figures.
 #[test]
 fn no_arguments() {
-    shows(&[], &expect_file!["terminal/feedbits.txt"]);
+    shows_words(&[], &expect_file!["terminal/feedbits.txt"]);
 }
 
 #[test]
