@@ -37,6 +37,8 @@ pub(crate) struct ScannedSample<R> {
     pub(crate) speed: R,
     /// Whether the limit holds at this point alone, not beside it.
     pub(crate) is_single: bool,
+    /// Whether the tool rests here, however near it rests before or behind: at a corner, or because the program says so.
+    pub(crate) rests: bool,
     /// Whether the direction changes over the stretch, or at the point by less than at a corner. If so, chords are
     /// shorter than the path.
     pub(crate) bends: bool,
@@ -63,6 +65,7 @@ impl<R: Real> ScannedSample<R> {
             point,
             speed: R::zero(),
             is_single: feedrate.is_zero(),
+            rests: false,
             bends: false,
             margin: R::zero(),
             allowance: Allowance::unlimited(),

@@ -165,7 +165,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let feedrate = stop.or_else(|| self.junctions.feed(turn.as_ref()?).filter(is_lowest));
         if let Some(feedrate) = feedrate {
             let single = self.sample(curve, &Sample { feedrate, ..*first }, None);
-            self.samples.push(ScannedSample { is_single: true, ..single });
+            self.samples.push(ScannedSample { is_single: true, rests: feedrate.is_zero(), ..single });
         }
         if index > 0 && turn.as_ref().is_some_and(|turn| self.fine_moves.is_break(turn.size)) {
             self.recall(shape, index - 1);

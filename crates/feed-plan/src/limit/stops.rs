@@ -92,10 +92,10 @@ fn limit_between<R: Real>(samples: &[ScannedSample<R>], next: usize, distance: R
     }
 }
 
-/// Lifts the limit at a point to `at_least`, but no higher than the limit beside a stop.
+/// Lifts the limit at a point to `at_least`, but no higher than the limit beside a stop. Where the tool rests in any case it stays.
 fn lift<R: Real>(samples: &mut [ScannedSample<R>], i: usize, at_least: R) {
     let Some((sample, behind)) = samples.get_mut(i..).and_then(<[_]>::split_first_mut) else { return };
-    if !(at_least > R::zero()) || (sample.is_single && sample.lower > R::zero()) {
+    if !(at_least > R::zero()) || sample.rests || (sample.is_single && sample.lower > R::zero()) {
         return;
     }
     let next = behind.first_mut();
@@ -229,6 +229,24 @@ mod tests {
             );
         }
         assert!(slow > 20, "{slow}");
+    }
+
+    /// Of corners within the chord error of each other every second one was passed, at any feed.
+    #[test]
+    fn the_tool_rests_at_each_corner_however_near_the_next_is() {
+        let limits = paper_limits();
+        let points: Vec<_> = (0..9_u32)
+            .map(|i| [f64::from(i / 2), f64::from(i.div_ceil(2))].map(|x| 0.3 * limits.chord_error * x))
+            .collect();
+        let limit = limit_through_corners(&points, &limits);
+        let rests = limit.points().filter(|point| point.feedrate == 0.0).count();
+        assert_eq!(rests, points.len() - 2);
+    }
+
+    fn limit_through_corners(points: &[[f64; 2]], limits: &KinematicLimits<f64>) -> FeedLimit<f64> {
+        let curves = crate::test_paths::polyline(points);
+        let curves: Vec<_> = curves.iter().map(nurbs_core::NurbsBuf::as_curve).collect();
+        FeedLimit::along(&curves, limits).unwrap()
     }
 
     /// From the stop on, the limit of the next point was once held: that point was 30 mm away.
