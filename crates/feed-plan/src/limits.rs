@@ -70,11 +70,19 @@ pub enum Junction<R> {
     VelocityJump([R; 3]),
 }
 
+/// The share of a full step, as a power of two, by which a setpoint may be off.
+const HIDDEN: i32 = -15;
+
 impl<R: Real> KinematicLimits<R> {
     /// Whether the acceleration or the jerk of a single axis is limited, of the first axes, as many as the path has dimensions.
     #[must_use]
     pub fn limit_accelerations_of_axes(&self, dimensions: usize) -> bool {
         self.axes.iter().take(dimensions).any(AxisLimits::limits_acceleration)
+    }
+
+    /// By how much a setpoint may be off: less than half of a fluctuation of 10⁻⁴ of a full step.
+    pub(crate) fn resolution(&self) -> R {
+        (self.feedrate * self.interpolation_period).ldexp(HIDDEN)
     }
 
     /// Checks that each limit is a positive number.

@@ -21,8 +21,6 @@ pub(super) const SPAN: usize = 3 * (1 << (WINDOWS - 1)) + 1;
 /// An excess of less than 2⁻¹⁷ is ignored, and feeds are lowered to 2⁻⁸ below what is allowed.
 const SEEN: i32 = -17;
 const BELOW: i32 = -8;
-/// The share of a full step, as a power of two, by which a setpoint may be off: less than half of a fluctuation of 10⁻⁴.
-const HIDDEN: i32 = -15;
 
 /// A setpoint of a run.
 pub(super) struct Setpoint<R, const D: usize> {
@@ -189,8 +187,7 @@ impl<R: Real, const D: usize> AxisWindows<'_, R, D> {
 
     /// By how much a motion may be away from the setpoints of a window; `None` where the velocity may jump in it.
     fn hidden(&self, window: Window) -> Option<R> {
-        let full_step = self.limits.feedrate * self.limits.interpolation_period;
-        let everywhere = self.rounding + full_step.ldexp(HIDDEN);
+        let everywhere = self.rounding + self.limits.resolution();
         match self.limits.junction {
             Junction::Deviation(deviation) if self.has_corner(window) => Some(everywhere + deviation),
             Junction::VelocityJump(_) if self.has_corner(window) => None,

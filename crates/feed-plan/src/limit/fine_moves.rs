@@ -274,9 +274,10 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     /// Where breaks turn the path noticeably, the path keeps to its reserve of acceleration, as in a bend. On straight
     /// moves it may use all that the axes have.
     fn limit_turning(&self, limits: &TurningLimits<R>, at: R, step: R, samples: &mut Vec<ScannedSample<R>>) {
-        let alone = self
-            .turn_at(at)
-            .map_or_else(R::zero, |(along, turn)| limits.strain(&along, &turn.map(|x| x * step)));
+        // A corner that is cut has a feed of its own.
+        let corner = self.deviation.and_then(|_| self.turn_at(at));
+        let alone =
+            corner.map_or_else(R::zero, |(along, turn)| limits.strain(&along, &turn.map(|x| x * step)));
         let most = alone.max(R::one());
         let found = self.first_too_long(at, step, most, |chord| limits.strain_over(chord));
         if let Some(step) = found {

@@ -1,15 +1,16 @@
-//! The feed along moves whose corners a machine may round, as far as its axes can follow.
+//! The feed along moves whose corners are passed, as far as the axes can follow.
 //!
 //! With [`Junction::Deviation`](crate::Junction::Deviation) the tool may leave the path by δ at corners. So the moves stand for any motion
-//! within δ of them, as a lone corner does for its rounding, or a string of short moves for the bend that it approximates. At the feed V,
+//! within δ of them, as a lone corner does for its rounding, or a string of short moves for the bend that it approximates. With other
+//! junctions breaks too small for a corner are passed, and δ is what a [setpoint may be off](KinematicLimits::resolution). At the feed V,
 //! the k-th difference of such a motion over ways h is at most `M (h/V)ᵏ`, with M the limit of an axis for the k-th derivative, and that
 //! of the moves may be more by `2ᵏ δ`. Whatever the motion is, then,
 //!
 //! `V ≤ h (M/(|Δᵏ| - 2ᵏ δ))^(1/k)`
 //!
-//! for every h. Ways are tried from the longest that can matter down to 4 δ or the way of one period at the feed found so far, which no
-//! setpoints see, and then beside the worst of them; three quarters of a jerk are taken for M. Second differences are largest with the
-//! corner in the middle, third ones with it at one of the two inner places.
+//! for every h of a period or more. Ways are tried from the longest that can matter down to that of one period at the feed found so far, and
+//! then that one anew and those beside the worst; three quarters of a jerk are taken for M. Second differences are largest with the corner
+//! in the middle, third ones with it at one of the two inner places.
 
 use alloc::vec::Vec;
 use core::iter::successors;
@@ -23,8 +24,9 @@ use crate::{AxisLimits, Junction, KinematicLimits};
 
 /// Ways h are this many 32nds apart: about the root of 2, so that V² is found to some hundredths.
 const APART: i32 = 45;
-/// How often ways beside the worst are tried, each time half as far apart: V² of a lone corner is then right to 2⁻¹⁰.
-const CLOSER: i32 = 4;
+/// How often ways beside the worst, and of one period, are tried, each time half as far apart: V² of a lone corner is then right to some
+/// thousandths.
+const CLOSER: i32 = 5;
 /// The share of an axis' jerk, in quarters, that turning may use; what is left is for the feed, which changes on both sides of a corner.
 const OF_JERK: i32 = 3;
 /// Most ways that are looked at, but for those beside the worst.
@@ -43,9 +45,12 @@ pub(crate) struct RoundedMoves<R> {
 }
 
 impl<R: Real> RoundedMoves<R> {
-    /// `None` unless corners are rounded and an axis is limited.
+    /// `None` if the acceleration and jerk of no axis are limited.
     pub(crate) fn new(limits: &KinematicLimits<R>) -> Option<Self> {
-        let Junction::Deviation(deviation) = limits.junction else { return None };
+        let deviation = match limits.junction {
+            Junction::Deviation(deviation) => deviation,
+            _ => limits.resolution(),
+        };
         // A bend of radius R shows in ways of √(4 δ R) and ∛(8 δ R²), and at the feed V it may be as wide as V²/A and √(V³/J): three times
         // as long a way finds its limit to a tenth.
         let of_axis = |axis: &AxisLimits<R>| {
@@ -54,7 +59,7 @@ impl<R: Real> RoundedMoves<R> {
             let by_jerk = axis.jerk.map(|most| cube_root(deviation / most) * R::from_ratio(6, 1));
             by_acceleration.into_iter().chain(by_jerk).reduce(R::max)
         };
-        let longest = limits.axes.iter().filter_map(of_axis).reduce(R::max)?;
+        let longest = limits.axes.iter().filter_map(of_axis).reduce(R::max)?.max(limits.interpolation_period);
         let further = |way: &R| (*way < longest * limits.feedrate).then(|| *way * R::from_ratio(APART, 32));
         let ways = successors(Some(deviation.ldexp(2)), further).take(MOST_WAYS).collect();
         Some(Self { axes: limits.axes, deviation, period: limits.interpolation_period, longest, ways })
@@ -72,22 +77,19 @@ impl<R: Real> RoundedMoves<R> {
         let longer = self.ways.partition_point(|way| *way < self.longest * feed);
         let mut worst = None;
         for &way in self.ways.iter().take(longer + 1).rev() {
-            let most = worst.map_or(feed, |(least, _)| least);
-            if way < most * self.period {
-                break;
-            }
             self.try_way(&around, way, feed, &mut worst);
         }
         for finer in 3..3 + CLOSER {
-            let Some((_, way)) = worst else { break };
-            for beside in [way - way.ldexp(-finer), way + way.ldexp(-finer)] {
-                self.try_way(&around, beside, feed, &mut worst);
+            let Some((least, way)) = worst else { break };
+            for other in [way - way.ldexp(-finer), way + way.ldexp(-finer), least * self.period] {
+                self.try_way(&around, other, feed, &mut worst);
             }
         }
         worst
     }
 
-    /// Takes a way for the worst if it allows less feed than the worst so far, or than `feed` if there is none.
+    /// Takes a way for the worst if it allows less feed than the worst so far, or than `feed` if there is none. A way that takes less than a
+    /// period at that feed is seen by no setpoints.
     fn try_way<const D: usize>(
         &self,
         around: &Around<'_, R, D>,
@@ -96,6 +98,9 @@ impl<R: Real> RoundedMoves<R> {
         worst: &mut Option<(R, R)>,
     ) {
         let most = worst.map_or(feed, |(least, _)| least);
+        if way < most * self.period {
+            return;
+        }
         let least = self.feed_over(around, way, most);
         if least < most {
             *worst = Some((least, way));
@@ -226,6 +231,41 @@ mod tests {
             [None, Some(1e-4)].map(|acceleration| least(&limit_along(&corner, &limits(acceleration, None))));
         let closed = (16.0 * 1e-4 * DEVIATION).sqrt();
         assert!(slow < free && (1.0 - 1e-9..1.0005).contains(&(slow / closed)), "{free} {slow} {closed}");
+    }
+
+    /// A break too small for a stop was passed at full feed however little an axis across it accelerates: setpoints took up to ten times its
+    /// acceleration, in the period over the break.
+    #[test]
+    fn a_break_without_a_corner_keeps_the_limits_of_the_axes_across_it() {
+        let full = paper_limits();
+        // Half of what the chord error allows.
+        let slope = 2.0 * full.chord_error / (full.feedrate * full.interpolation_period);
+        let path = [[-20.0, 0.0], [0.0, 0.0], [20.0, 20.0 * slope]];
+        // The acceleration that it takes of an axis across it in a period.
+        let taken = full.feedrate * slope / full.interpolation_period;
+        for (acceleration, jerk) in
+            [(Some(taken / 10.0), None), (None, Some(taken / 3.0)), (Some(taken / 3.0), Some(taken / 9.0))]
+        {
+            let across = AxisLimits { velocity: None, acceleration, jerk };
+            let none = AxisLimits::default();
+            let limits = KinematicLimits { axes: [none, across, none], junction: Junction::Stop, ..full };
+            let found = least(&limit_along(&path, &limits));
+            assert!(found > 0.0 && found < full.feedrate, "{found}");
+            let jump = found * slope;
+            let off = full.feedrate * 2.0_f64.powi(-15);
+            // Seen over a period, and over some.
+            for window in 1..9_i32 {
+                let h = f64::from(window);
+                let excess =
+                    |order: i32, most: f64| (jump * h - 2.0_f64.powi(order) * off) / (most * h.powi(order));
+                let by_acceleration = acceleration.map_or(0.0, |most| excess(2, most));
+                let by_jerk = jerk.map_or(0.0, |most| excess(3, most));
+                assert!(
+                    by_acceleration.max(by_jerk) <= 1.005,
+                    "{acceleration:?} {jerk:?}: {by_acceleration} {by_jerk}"
+                );
+            }
+        }
     }
 
     /// A corner that an axis rounds in seconds has the same feed whether setpoints come once or a thousand times in them.

@@ -3,7 +3,7 @@
 //! Let a chord go from p before a place c of the path to q behind it, with `A = C(c) - C(c-p)` and
 //! `B = C(c+q) - C(c)`. With p = q = V T, two steps over the place change the step by A - B in a period. So the part of
 //! A - B across the path stays within a_n T², and each of its components stays within the axis's limit less the path's
-//! reserve, for V T on both sides. If a break alone needs more, its own rule has allowed that, and it is passed.
+//! reserve, for V T on both sides. If a corner that is cut alone needs more, its own rule has allowed that, and it is passed.
 
 use real::Real;
 
