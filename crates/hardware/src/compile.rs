@@ -13,6 +13,7 @@ use crate::image::Image;
 use crate::liveness::Liveness;
 use crate::machine::{self, Made};
 use crate::microcode::{Microcode, microcode};
+use crate::pace::{Pace, least_period};
 use crate::paths::{tidy, ways};
 use crate::program::{BlockId, Numbers, Program};
 use crate::verilog::{Texts, texts};
@@ -73,7 +74,12 @@ pub struct Figures {
     pub cycles: (f64, u64),
     /// Cycles until the core can be asked for the one after that: mean and worst.
     pub until_ready: (f64, u64),
+    /// For each depth of [`QUEUES`] the least period in cycles with which no setpoint is late.
+    pub least_periods: [u64; QUEUES.len()],
 }
+
+/// Depths of the queue of finished setpoints, the parameter `QUEUE` of the core, for which the least period is said.
+pub const QUEUES: [usize; 5] = [1, 2, 4, 8, 16];
 
 /// Compiles a part's step for the core. Its microcode is run in the executor over the whole part, which must give what the blocks of
 /// the C give.
@@ -96,35 +102,34 @@ pub fn compile(request: &CoreRequest<'_>) -> Result<CoreFiles, CoreError> {
     let image = Image::of(&program, &microcode);
     let made = machine::run(&microcode, &image, program.numbers, program.outputs.len(), sections, most)?;
     let checksum = checksum(request, &made)?;
-    if made.len() != request.periods || checksum != request.checksum {
-        return Err(CoreError::Differs { periods: made.len(), checksum });
+    let periods = made.setpoints.len();
+    if periods != request.periods || checksum != request.checksum {
+        return Err(CoreError::Differs { periods, checksum });
     }
-    if made.len() != run.setpoints.len()
-        || made.iter().zip(&run.setpoints).any(|(made, words)| made.words != *words)
-    {
-        return Err(CoreError::Differs { periods: made.len(), checksum });
+    if made.setpoints != run.setpoints {
+        return Err(CoreError::Differs { periods, checksum });
     }
     let Texts { core, microcode: words, part, testbench } =
-        texts(&program, &microcode, &image, request.about, (made.len(), sections))?;
+        texts(&program, &microcode, &image, request.about, (periods, sections))?;
     Ok(CoreFiles {
         core,
         microcode: words,
         part,
         testbench,
         figures: figures(&microcode, &image, &made),
-        setpoints: made.iter().map(|made| cut(&program, &made.words)).collect(),
+        setpoints: made.setpoints.iter().map(|words| cut(&program, words)).collect(),
         outputs: program.outputs.clone(),
     })
 }
 
 /// The checksum of all positions, which the C's own function gives.
-fn checksum(request: &CoreRequest<'_>, made: &[Made]) -> Result<u64, CoreError> {
+fn checksum(request: &CoreRequest<'_>, made: &Made) -> Result<u64, CoreError> {
     let CoreRequest { header, source, name, bits, fraction_bits, .. } = *request;
     let positions = positions(header, source, name, Numbers { bits, fraction_bits })?;
     let mut registers = vec![0_i64; positions.program.registers as usize];
     let mut checksum = PositionChecksum::default();
-    for made in made {
-        for (register, word) in positions.words.iter().zip(&made.words) {
+    for words in &made.setpoints {
+        for (register, word) in positions.words.iter().zip(words) {
             registers[*register as usize] = *word;
         }
         executor::run_with(&positions.program, &mut registers, 0, MOST.0)?;
@@ -156,16 +161,18 @@ fn cut(program: &Program, words: &[i64]) -> Vec<u64> {
     words.iter().zip(bits).map(|(word, bits)| word.cast_unsigned() & (u64::MAX >> (64 - bits))).collect()
 }
 
-fn figures(microcode: &Microcode, image: &Image, made: &[Made]) -> Figures {
-    let of = |cycles: &dyn Fn(&Made) -> u64| {
-        let sum: u64 = made.iter().map(cycles).sum();
-        (sum as f64 / made.len().max(1) as f64, made.iter().map(cycles).max().unwrap_or(0))
+fn figures(microcode: &Microcode, image: &Image, made: &Made) -> Figures {
+    let paces: Vec<_> = made.sections.iter().flat_map(|section| &section.setpoints).collect();
+    let of = |cycles: &dyn Fn(&Pace) -> u64| {
+        let sum: u64 = paces.iter().map(|pace| cycles(pace)).sum();
+        (sum as f64 / paces.len().max(1) as f64, paces.iter().map(|pace| cycles(pace)).max().unwrap_or(0))
     };
     Figures {
         words: microcode.words.len(),
         table_words: image.words.len(),
         registers: microcode.slots,
-        cycles: of(&|made| made.cycles),
-        until_ready: of(&|made| made.until_ready),
+        cycles: of(&|pace| pace.until_whole),
+        until_ready: of(&|pace| pace.until_ready),
+        least_periods: QUEUES.map(|queue| least_period(&made.sections, queue)),
     }
 }

@@ -13,7 +13,7 @@
 //! | `liveness`, `coalesce` | which registers are read later, and one register for those that copies join |
 //! | `paths`, `graph` | straight ways through the blocks, and the values in them, each once |
 //! | `timing`, `schedule`, `microcode`, `image` | words of microcode in their cycles, registers, and the table memory |
-//! | `machine` | a run of the microcode, cycle by cycle |
+//! | `machine`, `pace` | a run of the microcode, cycle by cycle, and the least period that it holds |
 //! | `verilog` | the texts, from `templates/core.v` and `templates/testbench.v` |
 
 mod arithmetic;
@@ -33,6 +33,7 @@ mod liveness;
 mod machine;
 mod microcode;
 mod operation;
+mod pace;
 mod parser;
 mod paths;
 mod program;
@@ -43,5 +44,5 @@ mod tables;
 mod timing;
 mod verilog;
 
-pub use compile::{CoreFiles, CoreRequest, Figures, compile};
+pub use compile::{CoreFiles, CoreRequest, Figures, QUEUES, compile};
 pub use error::CoreError;

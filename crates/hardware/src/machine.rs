@@ -3,20 +3,43 @@
 use crate::error::CoreError;
 use crate::image::Image;
 use crate::microcode::{Action, Microcode, Slot, Source, Word};
+use crate::pace::{Pace, SectionPace};
 use crate::program::{Event, Numbers, OUTPUT_DONE, OUTPUT_WHOLE, Op};
 use crate::timing::{BUBBLE, CHOICE, SUM, latency};
 
-/// A setpoint and when it was made.
-#[derive(Clone, Debug)]
+/// What a run has made.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Made {
-    pub(crate) words: Vec<i64>,
-    /// Cycles from when the last one was taken until this one is whole.
-    pub(crate) cycles: u64,
-    /// Cycles until the next one can be asked for.
-    pub(crate) until_ready: u64,
+    /// For each setpoint the output words.
+    pub(crate) setpoints: Vec<Vec<i64>>,
+    pub(crate) sections: Vec<SectionPace>,
 }
 
-/// Runs these sections; each setpoint is taken at once.
+impl Made {
+    /// A wait is passed, `since` the last one.
+    fn asked(&mut self, since: u64) {
+        if let Some(last) = self.sections.last_mut().and_then(|section| section.setpoints.last_mut()) {
+            last.until_ready = since;
+        }
+    }
+
+    /// A setpoint is whole.
+    fn whole(&mut self, words: &[i64], until_whole: u64) {
+        self.setpoints.push(words.to_owned());
+        if let Some(section) = self.sections.last_mut() {
+            section.setpoints.push(Pace { until_whole, until_ready: 0 });
+        }
+    }
+
+    /// A section is over.
+    fn done(&mut self, until_done: u64) {
+        if let Some(section) = self.sections.last_mut() {
+            section.until_done = until_done;
+        }
+    }
+}
+
+/// Runs these sections; there is room for each setpoint at once.
 ///
 /// # Errors
 /// [`CoreError::Endless`] after `most` words; [`CoreError::TooMany`] if two results come in one cycle.
@@ -27,11 +50,11 @@ pub(crate) fn run(
     outputs: usize,
     sections: u32,
     most: u64,
-) -> Result<Vec<Made>, CoreError> {
+) -> Result<Made, CoreError> {
     let mut slots = vec![0_i64; 512];
     let mut coming: Vec<(u64, Slot, i64)> = Vec::new();
     let (mut at, mut cycle, mut calls, mut begun) = (0, 0_u64, Vec::new(), 0_u32);
-    let (mut words, mut made): (Vec<i64>, Vec<Made>) = (vec![0; outputs], Vec::new());
+    let (mut words, mut made) = (vec![0; outputs], Made::default());
     let mut asked = 0;
     for _ in 0..most {
         let Some(word) = microcode.words.get(at) else { break };
@@ -50,10 +73,9 @@ pub(crate) fn run(
                 write(&mut coming, cycle + u64::from(CHOICE), word.to, row)?;
             }
             Action::Compute(Op::Output(OUTPUT_WHOLE)) => {
-                let cycles = cycle + u64::from(SUM) - asked;
-                made.push(Made { words: words.clone(), cycles, until_ready: 0 });
+                made.whole(&words, cycle + u64::from(SUM) - asked);
             }
-            Action::Compute(Op::Output(OUTPUT_DONE)) => {}
+            Action::Compute(Op::Output(OUTPUT_DONE)) => made.done(cycle + u64::from(SUM) - asked),
             Action::Compute(Op::Output(place)) => {
                 words.iter_mut().skip(place.into()).take(1).for_each(|word| *word = a)
             }
@@ -85,12 +107,10 @@ pub(crate) fn run(
                     return Ok(made);
                 }
                 begun += 1;
-                asked = cycle;
+                made.sections.push(SectionPace::default());
             }
             Action::Wait(Event::Taken) => {
-                if let Some(last) = made.last_mut().filter(|last| last.until_ready == 0) {
-                    last.until_ready = cycle - asked;
-                }
+                made.asked(cycle - asked);
                 asked = cycle;
             }
         }

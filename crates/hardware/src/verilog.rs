@@ -8,9 +8,18 @@ use crate::microcode::{Action, Microcode, POINTERS, Slot, Source, Word};
 use crate::program::{Compare, Event, Numbers, OUTPUT_DONE, OUTPUT_WHOLE, Op, Program};
 
 /// An output of the core.
+#[derive(Clone)]
 pub(crate) struct Output {
     name: String,
     bits: u32,
+    /// Bits that continue it to whole bytes.
+    padding: u32,
+}
+
+impl Output {
+    fn new(name: &str, bits: u32) -> Self {
+        Self { name: name.to_owned(), bits, padding: bits.next_multiple_of(8) - bits }
+    }
 }
 
 #[derive(Template)]
@@ -32,6 +41,10 @@ struct Core {
     output_done: u8,
     output_whole: u8,
     outputs: Vec<Output>,
+    /// The outputs as bits are written, the highest first.
+    highest_first: Vec<Output>,
+    setpoint_bits: u32,
+    stream_bits: u32,
 }
 
 #[derive(Template)]
@@ -45,6 +58,8 @@ struct Testbench {
     axis_names: Vec<String>,
     table_bits: u32,
     outputs: Vec<Output>,
+    highest_first: Vec<Output>,
+    stream_bits: u32,
 }
 
 /// The files of a core.
@@ -80,8 +95,7 @@ pub(crate) fn texts(
         let most = 1 << (bits - 1);
         return Err(CoreError::TooMany { what: "words of tables", needed: image.words.len(), most });
     }
-    let outputs =
-        || program.outputs.iter().map(|(name, bits)| Output { name: name.clone(), bits: *bits }).collect();
+    let outputs = || program.outputs.iter().map(|(name, bits)| Output::new(name, *bits));
     let core = Core {
         about: foreign_text::in_a_comment(about),
         version: env!("CARGO_PKG_VERSION"),
@@ -98,7 +112,10 @@ pub(crate) fn texts(
         pointers: POINTERS,
         output_done: OUTPUT_DONE,
         output_whole: OUTPUT_WHOLE,
-        outputs: outputs(),
+        outputs: outputs().collect(),
+        highest_first: outputs().rev().collect(),
+        setpoint_bits: outputs().map(|output| output.bits).sum(),
+        stream_bits: outputs().map(|output| output.bits + output.padding).sum(),
     };
     let axis_names: Vec<_> = program
         .outputs
@@ -114,7 +131,9 @@ pub(crate) fn texts(
         axes: axis_names.len(),
         axis_names,
         table_bits,
-        outputs: outputs(),
+        outputs: outputs().collect(),
+        highest_first: core.highest_first.clone(),
+        stream_bits: core.stream_bits,
     };
     let text = |rendered: askama::Result<String>| rendered.unwrap_or_default();
     let encoder = Encoder { field_bits, column_bits: microcode.column_bits };

@@ -10,7 +10,9 @@
 
 module feedbits_core #(
     parameter MICROCODE = "microcode.hex",
-    parameter PART = "part.hex"
+    parameter PART = "part.hex",
+    // So many finished setpoints wait at the output, from 1 on. A section's first one is shown when that many are there, or all.
+    parameter QUEUE = 4
 ) (
     input  wire clk,
     input  wire reset,
@@ -18,16 +20,23 @@ module feedbits_core #(
     input  wire table_write,
     input  wire [{{ table_bits - 1 }}:0] table_address,
     input  wire [63:0] table_data,
-    // A section begins; `done` is high for a cycle when all of its setpoints were made.
+    // A section begins. `done` is high for a cycle when all of its setpoints were made, and the last ones may still be in the queue; the
+    // core is idle again when the last one was taken.
     input  wire start,
     input  wire [{{ bits - 2 }}:0] section,
     output wire idle,
     output reg  done,
-    // Setpoints, as an AXI4 stream: the next one is made when this one was taken.
-    output reg  valid,
-    input  wire ready,
+    // High for a cycle once a period, when a setpoint is due. `error` says that none stood there between a section's first and last one,
+    // and stays until the next start or reset. Where nobody gives ticks, it stays low.
+    input  wire tick,
+    output reg  error,
+    // Setpoints, as an AXI4 stream, and the same word by word: in `setpoint_tdata` the first one is the lowest, and each is
+    // continued to whole bytes, with its sign where it has one.
+    output reg  setpoint_tvalid,
+    input  wire setpoint_tready,
+    output wire [{{ stream_bits - 1 }}:0] setpoint_tdata,
 {%- for output in outputs %}
-    output reg  [{{ output.bits - 1 }}:0] {{ output.name }}{% if !loop.last %},{% endif %}
+    output wire [{{ output.bits - 1 }}:0] {{ output.name }}{% if !loop.last %},{% endif %}
 {%- endfor %}
 );
 
@@ -40,6 +49,9 @@ localparam COLUMN = {{ column_bits }};
 localparam TABLE = {{ table_bits }};
 localparam ADDRESS = {{ address_bits }};
 localparam WORD = 14 + 4 * FIELD;
+localparam SETPOINT = {{ setpoint_bits }};
+localparam PLACES = QUEUE > 1 ? QUEUE : 1;
+localparam PLACE = PLACES > 1 ? $clog2(PLACES) : 1;
 
 localparam [5:0] MOVE = 1, ADD = 2, SUB = 3, ADD_NUMBERS = 4, SUB_NUMBERS = 5, MIN = 6, MAX = 7, AND = 10, OR = 11, INPUT = 15,
     LOAD = 16, OUTPUT = 17, BRANCH = 18, JUMP = 19, CALL = 20, RETURN = 21, WAIT_START = 22, WAIT_TAKEN = 23,
@@ -69,14 +81,17 @@ wire [FIELD - 1:0] a = word[2 * FIELD +: FIELD];
 wire [FIELD - 1:0] b = word[FIELD +: FIELD];
 wire [FIELD - 1:0] c = word[0 +: FIELD];
 
-wire held = word_valid && ((op == WAIT_START && !start) || (op == WAIT_TAKEN && valid));
+reg is_full, is_empty;
+wire held = word_valid && ((op == WAIT_START && !(start && is_empty)) || (op == WAIT_TAKEN && is_full));
 wire is_last = word_valid && !held && waited == wait_for;
 wire moves = is_last || !word_valid;
 wire fetch = taken || moves || !ahead_valid;
 wire [ADDRESS - 1:0] fetched = taken ? target : next_address;
 wire issue = word_valid && !held && waited == 0 && !taken;
 
-assign idle = word_valid && op == WAIT_START && !taken;
+wire begins = issue && op == WAIT_START;
+
+assign idle = word_valid && op == WAIT_START && !taken && is_empty;
 
 always @(posedge clk) begin
     if (fetch)
@@ -207,7 +222,7 @@ always @(posedge clk) begin
     x_a <= read_table == 1 ? read_row : read_a;
     x_b <= read_table == 2 ? read_row : read_b;
     x_c <= read_table == 3 ? read_row : read_c;
-    if (issue && op == WAIT_START)
+    if (begins)
         begun <= section;
 end
 
@@ -292,20 +307,72 @@ always @(posedge clk) begin
         kept <= less == (x_op == MIN) ? x_a : x_b;
 end
 
-// The setpoint.
+// The setpoint, as its words are made.
+{%- for output in outputs %}
+reg [{{ output.bits - 1 }}:0] made_{{ output.name }};
+{%- endfor %}
+
 always @(posedge clk) begin
-    done <= x_valid && x_op == OUTPUT && x_to[3:0] == {{ output_done }} && !reset;
-    if (reset)
-        valid <= 0;
-    else if (x_valid && x_op == OUTPUT && x_to[3:0] == {{ output_whole }})
-        valid <= 1;
-    else if (ready)
-        valid <= 0;
 {%- for output in outputs %}
     if (x_valid && x_op == OUTPUT && x_to[3:0] == {{ loop.index0 }})
-        {{ output.name }} <= x_a[{{ output.bits - 1 }}:0];
+        made_{{ output.name }} <= x_a[{{ output.bits - 1 }}:0];
 {%- endfor %}
 end
+
+// The queue of finished setpoints. The next one is made while there is room for it. At rest it fills before the first one is shown.
+reg [SETPOINT - 1:0] queue [0:PLACES - 1];
+reg [PLACE - 1:0] first, free;
+reg [PLACE:0] count;
+reg shows, is_over;
+wire is_whole = x_valid && x_op == OUTPUT && x_to[3:0] == {{ output_whole }};
+wire is_done = x_valid && x_op == OUTPUT && x_to[3:0] == {{ output_done }};
+wire is_taken = setpoint_tvalid && setpoint_tready;
+wire [PLACE:0] count_after = count + {{ "{{" }}PLACE{1'b0}}, is_whole} - {{ "{{" }}PLACE{1'b0}}, is_taken};
+wire shows_after = !begins && (shows || is_done || count_after == PLACES);
+
+always @(posedge clk) begin
+    done <= is_done && !reset;
+    if (is_whole)
+        queue[free] <= {
+{%- for output in highest_first -%}
+made_{{ output.name }}{% if !loop.last %}, {% endif %}
+{%- endfor -%}
+};
+    if (reset) begin
+        count <= 0;
+        first <= 0;
+        free <= 0;
+        shows <= 0;
+        is_over <= 1;
+        setpoint_tvalid <= 0;
+        is_full <= 0;
+        is_empty <= 1;
+        error <= 0;
+    end else begin
+        if (is_whole)
+            free <= free == PLACES - 1 ? 0 : free + 1'b1;
+        if (is_taken)
+            first <= first == PLACES - 1 ? 0 : first + 1'b1;
+        count <= count_after;
+        shows <= shows_after;
+        is_over <= !begins && (is_over || is_done);
+        setpoint_tvalid <= shows_after && count_after != 0;
+        is_full <= count_after == PLACES;
+        is_empty <= count_after == 0;
+        error <= !begins && (error || (tick && shows && !is_over && !setpoint_tvalid));
+    end
+end
+
+assign {
+{%- for output in highest_first -%}
+{{ output.name }}{% if !loop.last %}, {% endif %}
+{%- endfor -%}
+} = queue[first];
+assign setpoint_tdata = {
+{%- for output in highest_first -%}
+{% if output.padding > 0 %}{{ "{" }}{{ output.padding }}{{ "{" }}{{ output.name }}[{{ output.bits - 1 }}]{{ "}}" }}, {% endif %}{{ output.name }}{% if !loop.last %}, {% endif %}
+{%- endfor -%}
+};
 
 // Shifts: a rotation to the right, then what is left of it, rounded.
 wire is_scale = x_op == SCALE;

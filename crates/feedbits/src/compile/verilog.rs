@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use c_code::CName;
 use format_compare::{CRequest, Dimension, Format, Space};
-use hardware::{CoreFiles, CoreRequest, Figures};
+use hardware::{CoreFiles, CoreRequest, Figures, QUEUES};
 use real::FormatName;
 
 use super::judged::{Judged, expect_room};
@@ -60,7 +60,7 @@ where
     let files =
         [("core.v", &core), ("microcode.hex", &microcode), ("part.hex", &part), ("testbench.v", &testbench)];
     folder.write(&files.map(|(name, text)| (name, text.as_str())))?;
-    let Figures { words, registers, cycles, until_ready, .. } = figures;
+    let Figures { words, registers, cycles, until_ready, least_periods, .. } = figures;
     output::note(&format!(
         "core.v, microcode.hex, part.hex and testbench.v are in {}: {} periods; {words} words of microcode, {registers} registers, {bytes} \
          bytes of tables; checksum {:#018x}",
@@ -71,6 +71,11 @@ where
     output::note(&format!(
         "cycles from a setpoint to the next one: {:.1} in the mean, {} at worst; until the core can be asked again {:.1} and {}",
         cycles.0, cycles.1, until_ready.0, until_ready.1
+    ));
+    let periods = QUEUES.iter().zip(least_periods).map(|(queue, cycles)| format!("{queue}: {cycles}"));
+    output::note(&format!(
+        "the least period that it holds, in cycles, by the setpoints that wait at its output, QUEUE: {}",
+        periods.collect::<Vec<_>>().join(", ")
     ));
     Ok(())
 }

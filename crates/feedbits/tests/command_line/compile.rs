@@ -97,6 +97,14 @@ fn a_part_is_compiled_to_a_core() {
     let rust = text(&feedbits(&["compile", "--format", "I4F28", "--quiet"]).stdout);
     let checksum = rust.split("CHECKSUM: u64 = ").nth(1).and_then(|rest| rest.get(..18)).expect("a checksum");
     assert!(unfolded(&output.stderr).contains(checksum), "{checksum}: {}", unfolded(&output.stderr));
+    // With a queue the least period is near the mean and not the worst.
+    let said = unfolded(&output.stderr);
+    let periods = said.split("QUEUE: ").nth(1).expect("the least periods");
+    let with = |queue: &str| {
+        let found = periods.split(", ").find_map(|one| one.trim().strip_prefix(queue)?.strip_prefix(": "));
+        found.and_then(|cycles| cycles.parse::<u32>().ok()).expect("a number of cycles")
+    };
+    assert!(with("4") <= 320 && with("1") > 2 * with("4"), "{said}");
 }
 
 #[test]

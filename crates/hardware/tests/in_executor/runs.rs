@@ -1,7 +1,7 @@
 //! Every raw word of every setpoint is the kernel's.
 
 use feed_plan::ProfileKind;
-use hardware::CoreFiles;
+use hardware::{CoreFiles, QUEUES};
 use stress::RandomPath;
 
 use crate::paths::{corners, lines, paper_a, quintic, ten_points};
@@ -40,6 +40,8 @@ fn the_plane_cubic_runs_as_in_rust_in_every_width() {
 fn paper_a_takes_so_many_cycles() {
     let figures = compared(&paper_a(), "I4F28").figures;
     assert!(figures.cycles.0 <= 150.0 && figures.cycles.1 <= 950 && figures.words <= 2400, "{figures:?}");
+    let queued = QUEUES.iter().zip(figures.least_periods).find(|(queue, _)| **queue == 4);
+    assert!(queued.is_some_and(|(_, cycles)| cycles <= 350), "{figures:?}");
 }
 
 #[test]
