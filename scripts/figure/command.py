@@ -12,7 +12,7 @@ import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from . import bounds_table, console_block, formats_table, marked, target_tables
+from . import bounds_table, console_block, core_table, formats_table, marked, target_tables
 from .pages import Pages
 
 # A picture of the book, and the figure of a report that it is. The formats are those on the way to the answer of `feedbits size`.
@@ -46,6 +46,7 @@ SCRIPTS = {
     "instructions": Script(["scripts/instructions --write"], ["scripts/instructions"], installs=True),
     "target-costs": Script(["scripts/firmware"], ["scripts/firmware --check"], installs=True),
     "step-bounds": Script(["scripts/step-bound"], ["scripts/step-bound --check"], installs=True),
+    "core-synthesis": Script(["scripts/core-synthesis"], ["scripts/core-synthesis --check"], installs=True),
     "c-counts": Script(["scripts/c-code --count --write"], ["scripts/c-code --count"], installs=True),
     "growth": Script(["scripts/growth --write"], []),
     "benchmarks": Script(["scripts/benchmarks"], []),
@@ -59,6 +60,7 @@ def tables(pages, binary):
     compared = run(binary, "compare --json", pages.root)
     made = {
         "formats": formats_table.table(json.loads(compared)),
+        "core-synthesis": core_table.table(read("core-synthesis")["core"]),
         "step-bounds": bounds_table.table(read("step-bounds"), target_tables.titles(costs)),
         **target_tables.tables(costs),
     }

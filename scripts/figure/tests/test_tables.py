@@ -2,7 +2,7 @@
 
 import unittest
 
-from figure import bounds_table, formats_table, marked, target_tables
+from figure import bounds_table, core_table, formats_table, marked, target_tables
 
 
 class Marked(unittest.TestCase):
@@ -72,6 +72,12 @@ class Targets(unittest.TestCase):
         self.assertIn("| a landing step", table.replace("instructions of ", ""))
         self.assertIn("| instructions of a period of the plan | 1,152 |\n", table)
         self.assertIn("| the bound, over the worst that was found | 2.00 |\n", table)
+
+    def test_cores(self):
+        core = {key: 2000 for key in (*core_table.CELLS, *core_table.CYCLES)} | {"format": "I4F28", "mhz": 80.0}
+        table = core_table.table([core, core | {"format": "I3F15", "mhz": 100.0}])
+        self.assertIn("| ECP5, speed grade 6 | I4F28 | I3F15 |\n", table)
+        self.assertIn("| least period with a queue of four, cycles | 2,000 | 2,000 |\n| … in µs | 25.00 | 20.00 |\n", table)
 
 
 if __name__ == "__main__":
