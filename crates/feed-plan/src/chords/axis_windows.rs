@@ -127,6 +127,7 @@ impl<R: Real, const D: usize> AxisWindows<'_, R, D> {
     fn slower(&self, (first, end, excess): (Window, usize, R), found: &mut Vec<TooFast<R>>) {
         let root = if first.order == 2 { excess.sqrt() } else { cube_root(excess) };
         let share = (R::one() - R::one().ldexp(BELOW)) / root;
+        let longer = R::one() / share;
         let last = Window { end, ..first };
         let [from, to] = [first.setpoint(first.order, self.last()), last.setpoint(0, self.last())];
         let steps = self.setpoints.get(from..=to).unwrap_or_default().windows(2);
@@ -138,17 +139,23 @@ impl<R: Real, const D: usize> AxisWindows<'_, R, D> {
         let to_feed = share / self.limits.interpolation_period;
         let (feed, at_corners) = (highest * to_feed, slowest * to_feed);
         if slowest >= highest.half() {
-            found.push(TooFast { from, to, way, slower: Slower::Feed { feed, at_corners } });
+            found.push(TooFast { from, to, way, longer, slower: Slower::Feed { feed, at_corners } });
             return;
         }
         let square = share * share;
         let shares = Allowance { acceleration: square, jerk: square * share };
         let changes = Slower::Changes { most: Allowance::of_path(self.limits), shares };
         let all = Slower::Feed { feed, at_corners: feed };
-        found.extend([changes, all].map(|slower| TooFast { from, to, way, slower }));
+        found.extend([changes, all].map(|slower| TooFast { from, to, way, longer, slower }));
         found.extend(steps.filter(|pair| pair[1].corners > pair[0].corners).map(|pair| {
             let [from, to] = [pair[0].distance, pair[1].distance];
-            TooFast { from, to, way, slower: Slower::Feed { feed, at_corners: (to - from) * to_feed } }
+            TooFast {
+                from,
+                to,
+                way,
+                longer,
+                slower: Slower::Feed { feed, at_corners: (to - from) * to_feed },
+            }
         }));
     }
 

@@ -142,7 +142,13 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
             let length = step.chord.max(R::norm(&chord));
             let feed = length / limits.interpolation_period * share;
             let slower = Slower::Feed { feed, at_corners: feed };
-            TooFast { from: step.from, to: step.to, way: step.to - step.from, slower }
+            TooFast {
+                from: step.from,
+                to: step.to,
+                way: step.to - step.from,
+                longer: R::one() / share,
+                slower,
+            }
         })
     }
 }
@@ -216,18 +222,19 @@ impl<R: Real> Differences<R> {
         let share = |taken: R| if taken > R::one() { below / taken } else { R::one() };
         let mut shares = Allowance { acceleration: share(taken.acceleration), jerk: share(taken.jerk) };
         let slow = shares.acceleration.sqrt().min(cube_root(shares.jerk));
+        let longer = R::one() / slow;
         let feed = steps.into_iter().fold(R::zero(), R::max) / limits.interpolation_period * slow;
         let way = steps.into_iter().fold(R::zero(), |sum, step| sum + step);
         let mut begin = end - way;
         let slower = Slower::Feed { feed, at_corners: feed };
-        self.strained_steps.push(TooFast { from: begin, to: end, way, slower });
+        self.strained_steps.push(TooFast { from: begin, to: end, way, longer, slower });
         if let Some(TooFast { from, slower: Slower::Changes { shares: others, .. }, .. }) =
             self.strained.pop_if(|last| last.to >= begin)
         {
             (begin, shares) = (from, shares.min(others));
         }
         let slower = Slower::Changes { most, shares };
-        self.strained.push(TooFast { from: begin, to: end, way: end - begin, slower });
+        self.strained.push(TooFast { from: begin, to: end, way: end - begin, longer, slower });
     }
 
     /// The share by which the motion must be slowed down to keep acceleration and jerk; 0 if it keeps them.

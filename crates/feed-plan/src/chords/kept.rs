@@ -7,7 +7,8 @@
 //!
 //! The feed at which a chord leaves the path by what is allowed is found from the radius at one place. Where the radius changes within the
 //! chord, the chord may leave the path further. The limit is lowered there, and the section is planned again. So it is where the setpoints
-//! show that an axis takes too much, as where the feed changes on a bend of short moves.
+//! show that an axis takes too much, as where the feed changes on a bend of short moves. Where that does not help, the section is slowed
+//! down in the end.
 
 use alloc::vec::Vec;
 
@@ -24,7 +25,7 @@ use crate::schedule::stage::duration;
 use crate::{FeedLimit, KinematicLimits, ScheduleBuf, Section, sections};
 
 /// Trials in which sections are planned again or slowed down, at most.
-const TRIALS: usize = 8;
+const TRIALS: usize = 10;
 /// Sections are planned again in the first of them alone, so many.
 const LOWERINGS: usize = 6;
 /// In the first two, also where the arcs of the run take too much, if slowing down would cost more than 2⁻⁹ of the time: less is not worth
@@ -38,6 +39,9 @@ const EXACT: i32 = -40;
 /// A section is slowed down by no more than this share in all, 2⁻⁶, and then to whole periods. Where a bend of a few steps would take more,
 /// all of the section would pay for it, and the section is planned again for the bend alone.
 const MOST: i32 = -6;
+/// Where lower feeds do not cure chords that are too long, or what an axis takes, all of the section is slowed down in the end, by a quarter
+/// in each trial at most: a limit that is kept is worth the time.
+const MOST_IN_THE_END: i32 = -2;
 
 /// A plan in arcs with its chords, and what is known of the run of each section.
 pub(crate) struct Kept<R> {
@@ -79,7 +83,7 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
             lowered.lower_over(&ways);
             plan_again(lowered, &repaired.found, &ways)
         });
-        let Some((next, changed)) = repaired.next(again.flatten(), &tries) else { break };
+        let Some((next, changed)) = repaired.next(again.flatten(), &tries, trial) else { break };
         // The other sections are followed already.
         let mut part = ScheduleBuf { stages: Vec::new(), periods: 0, ..next };
         wanted(&next, &changed).for_each(|section| part.push(&section));
@@ -128,12 +132,18 @@ impl<R: Real> Repaired<R> {
 
     /// The plan in which `again` replaces the sections that were planned again, and others are slowed down; and which sections differ from
     /// those found so far. `None` if no section differs.
-    fn next(&self, again: Option<ScheduleBuf<R>>, tries: &[Again]) -> Option<(ScheduleBuf<R>, Vec<bool>)> {
+    fn next(
+        &self,
+        again: Option<ScheduleBuf<R>>,
+        tries: &[Again],
+        trial: usize,
+    ) -> Option<(ScheduleBuf<R>, Vec<bool>)> {
         let again = again.filter(|again| sections(again.stages()).count() == tries.len());
         // No section that is to be planned again is slowed down in the same trial.
         let is_again: Vec<_> = tries.iter().map(|again| *again != Again::No).collect();
         let share = |((one, too_long), is_again): ((&Followed<R>, bool), &bool)| {
-            if too_long || *is_again { R::zero() } else { one.excess }
+            let of_arcs = if too_long || *is_again { R::zero() } else { one.excess };
+            if trial < LOWERINGS { of_arcs } else { of_arcs.max(one.slower_in_the_end()) }
         };
         let shares: Vec<_> = self.followed.iter().zip(self.too_long()).zip(&is_again).map(share).collect();
         let slower = slowed(&self.found, &shares);
@@ -219,6 +229,14 @@ impl<R: Real> Followed<R> {
         } else {
             Again::No
         }
+    }
+
+    /// The share by which the section is slowed down where lower feeds have not cured the ways that are passed too fast; none where it would
+    /// be too much.
+    fn slower_in_the_end(&self) -> R {
+        let longest = self.too_fast.iter().fold(R::one(), |longest, way| longest.max(way.longer));
+        let share = longest - R::one();
+        if share > R::one().ldexp(MOST_IN_THE_END) { R::zero() } else { share }
     }
 
     /// The ways over which the arcs of the run take too much, as they are to be passed in this trial.

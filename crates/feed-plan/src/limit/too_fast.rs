@@ -14,6 +14,8 @@ pub(crate) struct TooFast<R> {
     pub(crate) to: R,
     /// How long the way is over which that shows.
     pub(crate) way: R,
+    /// How many times as long it must take.
+    pub(crate) longer: R,
     pub(crate) slower: Slower<R>,
 }
 
@@ -44,7 +46,7 @@ impl<R: Real> FeedLimit<R> {
     /// shows that it is passed too fast keeps its limit, or the limit of all the straight would fall.
     fn lower_over_one(
         &mut self,
-        &TooFast { from, to, way, slower }: &TooFast<R>,
+        &TooFast { from, to, way, slower, .. }: &TooFast<R>,
         changes: &mut [(Allowance<R>, Allowance<R>)],
     ) {
         let first = self.samples.partition_point(|sample| sample.point.distance <= from).max(1);

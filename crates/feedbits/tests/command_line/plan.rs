@@ -2,7 +2,7 @@
 
 use std::process::Output;
 
-use crate::command::{data, feedbits};
+use crate::command::{data, feedbits, folder, written};
 use crate::message::{text, unfolded};
 
 fn stdout(output: &Output) -> String {
@@ -414,4 +414,24 @@ fn a_limit_that_is_broken_is_said_with_status_1() {
         let kept = feedbits(&[command]);
         assert!(kept.status.success() && !unfolded(&kept.stderr).contains("limit"), "{command}");
     }
+}
+
+/// On a part of a spiral of short moves the feed rises where the tool gets out of a bend: its rise and the bend take of the acceleration of X
+/// together, which no lower feed at the corners cures. The section is slowed down in the end.
+#[test]
+fn an_axis_keeps_its_acceleration_where_lower_feeds_do_not_help() {
+    let folder = folder();
+    let point = |i: u32| {
+        let (turn, radius) = (f64::from(i) * 4.5_f64.to_radians(), 50.8 - 0.0635 * f64::from(i));
+        format!("X{:.6} Y{:.6}\n", radius * turn.cos(), radius * turn.sin())
+    };
+    let moves: String = (301..500).map(|i| format!("G1 {}", point(i))).collect();
+    let program = format!("G21 G90 G64\nG0 Z-2.54 {}F609.6\n{moves}M2\n", point(300));
+    let machine = "[machine]\ninterpolation_period_ms = 2\nfeedrate_mm_per_s = 125.5\nacceleration_mm_per_s2 = 12.2\n\
+        jerk_mm_per_s3 = 2474\nchord_error_mm = 0.00581\njunction = \"deviation\"\njunction_deviation_mm = 0.00519\n\
+        [machine.axes.x]\nacceleration_mm_per_s2 = 3.417\njerk_mm_per_s3 = 4091\n";
+    let [program, machine] = [("spiral.nc", program.as_str()), ("machine.toml", machine)]
+        .map(|(name, text)| written(folder.path(), name, text));
+    let ran = feedbits(&["interpolate", &program, "--machine", &machine, "--quiet"]);
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
 }
