@@ -74,7 +74,8 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
     let (chords, followed) = limit.followed(curves, &arcs, limits);
     let mut repaired = Repaired::of(arcs, chords, followed);
     let mut lowered: Option<FeedLimit<R>> = None;
-    for trial in 0..TRIALS {
+    let mut trial = 0;
+    while trial < TRIALS {
         let tries = repaired.tries(trial, by_strain && trial < STRAINS);
         let before = tries.contains(&Again::StrainedAndSlower).then(|| lowered.clone()).flatten();
         let ways = |counts: &dyn Fn(usize) -> bool| ways(&repaired.followed, &tries, counts);
@@ -83,7 +84,10 @@ pub(crate) fn kept<R: Real, C: Differentiate<R, D>, const D: usize>(
             lowered.lower_over(&ways);
             plan_again(lowered, &repaired.found, &ways)
         });
-        let Some((next, changed)) = repaired.next(again.flatten(), &tries, trial) else { break };
+        let next = repaired.next(again.flatten(), &tries, trial);
+        // Where no lower feeds change a section, it is slowed down at once.
+        trial = if next.is_some() { trial + 1 } else { LOWERINGS.max(trial + 1) };
+        let Some((next, changed)) = next else { continue };
         // The other sections are followed already.
         let mut part = ScheduleBuf { stages: Vec::new(), periods: 0, ..next };
         wanted(&next, &changed).for_each(|section| part.push(&section));
