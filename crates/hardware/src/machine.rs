@@ -7,7 +7,7 @@ use crate::pace::{Pace, SectionPace};
 use crate::program::{Event, Numbers, OUTPUT_DONE, OUTPUT_WHOLE, Op};
 use crate::timing::{BUBBLE, CHOICE, SUM, latency};
 
-/// What a run has made.
+/// The setpoints of a run, and the cycles that each section takes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Made {
     /// For each setpoint the output words.

@@ -37,7 +37,7 @@ pub(crate) struct ScannedSample<R> {
     pub(crate) speed: R,
     /// Whether the limit holds at this point alone, not beside it.
     pub(crate) is_single: bool,
-    /// Whether the tool rests here, however near it rests before or behind: at a corner, or because the program says so.
+    /// Whether the tool rests here, at a corner or because the program says so, even if another rest is near.
     pub(crate) rests: bool,
     /// Whether the direction changes over the stretch, or at the point by less than at a corner. If so, chords are
     /// shorter than the path.

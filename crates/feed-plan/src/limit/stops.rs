@@ -238,15 +238,9 @@ mod tests {
         let points: Vec<_> = (0..9_u32)
             .map(|i| [f64::from(i / 2), f64::from(i.div_ceil(2))].map(|x| 0.3 * limits.chord_error * x))
             .collect();
-        let limit = limit_through_corners(&points, &limits);
+        let limit = crate::limit::track::limit_along(&points, &limits);
         let rests = limit.points().filter(|point| point.feedrate == 0.0).count();
         assert_eq!(rests, points.len() - 2);
-    }
-
-    fn limit_through_corners(points: &[[f64; 2]], limits: &KinematicLimits<f64>) -> FeedLimit<f64> {
-        let curves = crate::test_paths::polyline(points);
-        let curves: Vec<_> = curves.iter().map(nurbs_core::NurbsBuf::as_curve).collect();
-        FeedLimit::along(&curves, limits).unwrap()
     }
 
     /// From the stop on, the limit of the next point was once held: that point was 30 mm away.
